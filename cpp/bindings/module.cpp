@@ -1,0 +1,22 @@
+// The table of contents of shrm._core, in the order the data flows.
+#include <pybind11/pybind11.h>
+
+namespace shrm::bindings {
+void bind_grid(pybind11::module_& module);
+void bind_sh(pybind11::module_& module);
+void bind_wigner(pybind11::module_& module);
+void bind_brdf_analysis(pybind11::module_& module);
+void bind_reflection_map(pybind11::module_& module);
+void bind_angular(pybind11::module_& module);
+}  // namespace shrm::bindings
+
+PYBIND11_MODULE(_core, module) {
+    using namespace shrm::bindings;
+    module.doc() = "The C++ core of shrm. Use the modules of the package; this one checks memory, not meaning.";
+    bind_grid(module);
+    bind_sh(module);
+    bind_wigner(module);
+    bind_brdf_analysis(module);
+    bind_reflection_map(module);
+    bind_angular(module);
+}

@@ -1,0 +1,7 @@
+#include "ndarray.hpp"
+
+namespace shrm::bindings {
+
+void bind_sh(py::module_&) {}
+
+}  // namespace shrm::bindings

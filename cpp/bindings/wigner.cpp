@@ -1,0 +1,7 @@
+#include "ndarray.hpp"
+
+namespace shrm::bindings {
+
+void bind_wigner(py::module_&) {}
+
+}  // namespace shrm::bindings

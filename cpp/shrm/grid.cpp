@@ -1,0 +1,1 @@
+// Picture layouts, solid angles, area-exact conversion.

@@ -1,0 +1,1 @@
+"""shrm: frequency-space environment map rendering."""
