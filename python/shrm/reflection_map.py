@@ -100,6 +100,18 @@ class Part:
         inner = slice(BORDER, side - BORDER)
         return faces[:, inner, :, :, inner].transpose(2, 0, 1, 4, 3)
 
+    def directions(self) -> FloatArray:
+        """Return the central direction of every texel: (H, W, 3), or (6, N, N, 3) for cubes."""
+        if self.layout == "cube":
+            N = self.size
+            bordered = _core.cube_directions(N=N).reshape(6, N + 2 * BORDER, N + 2 * BORDER, 3)
+            return np.asarray(bordered[:, BORDER:-BORDER, BORDER:-BORDER])
+        H, W = self.rings.shape[0], self.rings.shape[3]
+        theta = (np.arange(H)[:, None] + 0.5) * np.pi / H
+        phi = np.pi - 2 * np.pi * (np.arange(W) + 0.5) / W
+        z = np.broadcast_to(np.cos(theta), (H, W))
+        return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), z], axis=-1)
+
     @property
     def coefficients(self) -> FloatArray:
         """Spherical harmonic coefficients of the maps: the exact, resolution-free form.
