@@ -77,7 +77,7 @@ class Beckmann(BRDF):
         # Beyond a = 6, erf(a) is 1 and exp(-a^2) is 0 in float64.
         masked = cosine < 6.0 * alpha_sin
         a = cosine[masked] / alpha_sin[masked]
-        erf = np.fromiter(map(math.erf, a), np.float64, a.size)
+        erf = np.fromiter(map(math.erf, a.tolist()), np.float64, a.size)
         denominator = 2.0 * cosine
         denominator[masked] = cosine[masked] * (1.0 + erf) + alpha_sin[masked] * np.exp(-(a**2)) / math.sqrt(
             np.pi
