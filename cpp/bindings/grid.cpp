@@ -55,12 +55,13 @@ Array<double> texel_solid_angles(const std::string& layout, int height, int widt
     return result;
 }
 
-py::tuple convert(const Array<float>& pixels, const std::string& source, const std::string& target, int height,
-                  int width, const Array<double>& rotation) {
+py::tuple convert(const Array<float>& pixels, const std::string& source, const std::string& target,
+                  int height, int width, const Array<double>& rotation) {
     require_shape(pixels, "pixels", {any, any, any});
     require_shape(rotation, "rotation", {3, 3});
     const int h = extent(pixels, 0), w = extent(pixels, 1), channels = extent(pixels, 2);
-    const Picture from{make_layout(source, h, w), h, w}, to{make_layout(target, height, width), height, width};
+    const Picture from{make_layout(source, h, w), h, w},
+        to{make_layout(target, height, width), height, width};
     glm::dmat3 target_from_source;
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column) target_from_source[column][row] = rotation.at(row, column);
@@ -82,7 +83,8 @@ py::tuple convert(const Array<float>& pixels, const std::string& source, const s
 void bind_grid(py::module_& module) {
     using py::arg;
     module.def("rays", &rays, py::kw_only(), arg("layout"), arg("height"), arg("width"),
-               arg("positions").noconvert(), "(n, 2) positions (x, y) -> (n, 3) directions, (n,) sr per texel");
+               arg("positions").noconvert(),
+               "(n, 2) positions (x, y) -> (n, 3) directions, (n,) sr per texel");
     module.def("positions", &positions, py::kw_only(), arg("layout"), arg("height"), arg("width"),
                arg("directions").noconvert(), "(n, 3) unit directions -> (n, 2) positions (x, y)");
     module.def("solid_angles", &texel_solid_angles, py::kw_only(), arg("layout"), arg("height"), arg("width"),

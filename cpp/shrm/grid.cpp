@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 namespace shrm {
 
 namespace {
 
-constexpr int most_rounds = 100;   // of fitting
-constexpr double accuracy = 1e-6;  // of the marginals
+constexpr double most_bend = 1.0 / 256;  // in texels, of a piece of an edge that is taken as straight
+constexpr int most_splits = 6;           // of a texel where the other picture has a seam
+constexpr double accuracy = 5e-5;        // of the marginals: what is enough,
+constexpr int most_rounds = 20;          // how often to try,
+constexpr double relaxation = 1.5;  // and how far to step: beyond 1, errors that span many texels fall faster
 
 std::size_t index(int i, int j, int width) {
     return static_cast<std::size_t>(i) * static_cast<std::size_t>(width) + static_cast<std::size_t>(j);
@@ -73,13 +74,14 @@ class Cutter {
         constexpr double edge = 1e-7;  // stays off the edges, where seams may be
         parts_.clear();
         found_ = 0;
-        smallest_ = smallest;
-        const double x0 = j + edge, x1 = j + 1 - edge, y0 = i + edge, y1 = i + 1 - edge;
-        quad(x0, y0, x1, y1, {point(x0, y0), point(x1, y0), point(x1, y1), point(x0, y1)}, 6);
-        if (found_ == 0) {  // only a sliver is inside the layout's domain
-            const glm::dvec2 p = own_.inner_point(j + 0.5, i + 0.5);
-            add(texel(other_.position(other_from_own_ * own_.ray(p.x, p.y).direction)), area);
-        }
+        const Box box = own_.box(i, j);
+        const double inset_x = edge * (box.x1 - box.x0), inset_y = edge * (box.y1 - box.y0);
+        const double x0 = box.x0 + inset_x, x1 = box.x1 - inset_x, y0 = box.y0 + inset_y,
+                     y1 = box.y1 - inset_y;
+        quad(x0, y0, x1, y1, {point(x0, y0), point(x1, y0), point(x1, y1), point(x0, y1)}, most_splits);
+        const auto small = [&](const Part& part) { return other_areas_[part.texel] < smallest; };
+        std::erase_if(parts_, small);
+        for (Part& part : parts_) part.solid_angle *= area / found_;
         return parts_;
     }
 
@@ -99,8 +101,8 @@ class Cutter {
     }
 
     void add(std::size_t where, double solid_angle) {
+        if (other_areas_[where] <= 0) return;
         found_ += solid_angle;
-        if (other_areas_[where] < smallest_) return;
         const auto same = [where](const Part& part) { return part.texel == where; };
         const auto found = std::find_if(parts_.begin(), parts_.end(), same);
         if (found == parts_.end())
@@ -122,7 +124,8 @@ class Cutter {
             if (straight(corners, centre)) return cross({{a.at, b.at, c.at, d.at}, 4});
         }
         if (depth > 0) {
-            if (std::max({a.density, b.density, c.density, d.density, centre.density}) < 0 && depth < 5) return;
+            const bool outside = std::max({a.density, b.density, c.density, d.density, centre.density}) < 0;
+            if (outside && depth < most_splits - 1) return;
             const Point top = point(x, y0), right = point(x1, y), bottom = point(x, y1), left = point(x0, y);
             quad(x0, y0, x, y, {a, top, centre, left}, depth - 1);
             quad(x, y0, x1, y, {top, b, right, centre}, depth - 1);
@@ -138,7 +141,7 @@ class Cutter {
     static bool straight(const std::array<Point, 4>& p, const Point& centre) {
         const glm::dvec2 one = glm::abs(centre.at - 0.5 * (p[0].at + p[2].at));
         const glm::dvec2 two = glm::abs(centre.at - 0.5 * (p[1].at + p[3].at));
-        return std::max({one.x, one.y, two.x, two.y}) < 1.0 / 32;
+        return std::max({one.x, one.y, two.x, two.y}) < most_bend;
     }
 
     // Cuts a quadrilateral of the other picture at its grid.
@@ -149,19 +152,23 @@ class Cutter {
             high = glm::max(high, quad.corner[k]);
         }
         for (int i = static_cast<int>(low.y); i <= static_cast<int>(high.y); ++i) {
-            const Polygon row = quad.cut(1, i, 1).cut(1, i + 1, -1);
+            const Polygon row = between(quad, 1, i, low.y, high.y);
             for (int j = static_cast<int>(low.x); j <= static_cast<int>(high.x); ++j) {
                 const std::size_t where = index(i, j, other_width_);
-                if (other_areas_[where] < smallest_) {
-                    found_ = 1;
-                    continue;
-                }
-                const Polygon part = row.cut(0, j, 1).cut(0, j + 1, -1);
+                const Polygon part = between(row, 0, j, low.x, high.x);
                 if (part.count < 3) continue;
                 const glm::dvec2 p = part.mean();
                 add(where, part.area() * other_.ray(p.x, p.y).density);
             }
         }
+    }
+
+    // What of a polygon from low to high lies in [line, line + 1].
+    static Polygon between(const Polygon& polygon, int axis, int line, double low, double high) {
+        Polygon part = polygon;
+        if (low < line) part = part.cut(axis, line, 1);
+        if (high > line + 1) part = part.cut(axis, line + 1, -1);
+        return part;
     }
 
     const Own& own_;
@@ -170,18 +177,17 @@ class Cutter {
     int other_width_;
     const std::vector<double>& other_areas_;
     std::vector<Part> parts_;
-    double found_ = 0, smallest_ = 0;
+    double found_ = 0;
 };
-
-}  // namespace
 
 // The overlaps of the own texels with texels of the other picture that are larger (or, if
 // `ties`, as large).
-template <class Own, class Other, class Rows>
-static void sample_picture(const Own& own, const Picture& own_picture, const std::vector<double>& own_areas,
-                           const Other& other, const Picture& other_picture, const std::vector<double>& other_areas,
-                           const glm::dmat3& other_from_own, bool ties, Rows& rows) {
-    rows.resize(static_cast<std::size_t>(own_picture.height));
+template <class Own, class Other>
+std::vector<OverlapRow> cut_picture(const Own& own, const Picture& own_picture,
+                                    const std::vector<double>& own_areas, const Other& other,
+                                    const Picture& other_picture, const std::vector<double>& other_areas,
+                                    const glm::dmat3& other_from_own, bool ties) {
+    std::vector<OverlapRow> rows(static_cast<std::size_t>(own_picture.height));
 #pragma omp parallel
     {
         Cutter<Own, Other> cutter(own, other, other_from_own, other_picture.width, other_areas);
@@ -202,12 +208,13 @@ static void sample_picture(const Own& own, const Picture& own_picture, const std
             row.overlaps.shrink_to_fit();
         }
     }
+    return rows;
 }
 
 // sums[i] = sum over j of overlap_ij values[j], i the texels of one picture, whose overlaps with
 // larger texels are `own`, j those of the other.
-template <class Rows>
-static void multiply(const Rows& own, const Rows& other, const std::vector<double>& values, std::vector<double>& sums) {
+void multiply(const std::vector<OverlapRow>& own, const std::vector<OverlapRow>& other,
+              const std::vector<double>& values, std::vector<double>& sums) {
     const std::size_t width = sums.size() / own.size(), other_width = values.size() / other.size();
     const auto rows = static_cast<std::ptrdiff_t>(own.size());
 #pragma omp parallel for
@@ -228,44 +235,48 @@ static void multiply(const Rows& own, const Rows& other, const std::vector<doubl
                     static_cast<double>(other[i].overlaps[k].solid_angle) * values[i * other_width + j];
 }
 
+}  // namespace
+
 Conversion::Conversion(const Picture& source, const Picture& target, const glm::dmat3& target_from_source) {
     const std::vector<double> source_areas = solid_angles(source.layout, source.height, source.width);
     const std::vector<double> target_areas = solid_angles(target.layout, target.height, target.width);
     std::visit(
         [&](const auto& from, const auto& to) {
-            sample_picture(from, source, source_areas, to, target, target_areas, target_from_source, true,
-                           source_smaller_);
-            sample_picture(to, target, target_areas, from, source, source_areas, glm::transpose(target_from_source),
-                           false, target_smaller_);
+            source_smaller_ =
+                cut_picture(from, source, source_areas, to, target, target_areas, target_from_source, true);
+            target_smaller_ = cut_picture(to, target, target_areas, from, source, source_areas,
+                                          glm::transpose(target_from_source), false);
         },
         source.layout, target.layout);
 
+    // Iterative proportional fitting; it ends with the target's scales, so that a constant stays
+    // constant to rounding.
     source_scale_.assign(source_areas.size(), 1);
     target_scale_.assign(target_areas.size(), 1);
     std::vector<double> sums(source_areas.size());
-    for (int round = 0; round < most_rounds; ++round) {
+    for (int round = 0;; ++round) {
         multiply(source_smaller_, target_smaller_, target_scale_, sums);
         residual_ = 0;
-        for (std::size_t i = 0; i < sums.size(); ++i) {
-            if (sums[i] <= 0) continue;
-            residual_ = std::max(residual_, std::abs(source_scale_[i] * sums[i] / source_areas[i] - 1));
-            source_scale_[i] = source_areas[i] / sums[i];
-        }
-        if (round > 0 && residual_ < accuracy) break;
+        for (std::size_t i = 0; i < sums.size(); ++i)
+            if (sums[i] > 0)
+                residual_ = std::max(residual_, std::abs(source_scale_[i] * sums[i] / source_areas[i] - 1));
+        if (round > 0 && (residual_ < accuracy || round == most_rounds)) break;
+        for (std::size_t i = 0; i < sums.size(); ++i)
+            if (sums[i] > 0) source_scale_[i] += relaxation * (source_areas[i] / sums[i] - source_scale_[i]);
         multiply(target_smaller_, source_smaller_, source_scale_, target_scale_);
         for (std::size_t j = 0; j < target_scale_.size(); ++j)
             target_scale_[j] = target_scale_[j] > 0 ? target_areas[j] / target_scale_[j] : 0;
-        if (getenv("SHRM_DEBUG")) fprintf(stderr, "%d %g\n", round, residual_);
     }
-    multiply(target_smaller_, source_smaller_, source_scale_, target_scale_);
-    for (double& scale : target_scale_) scale = scale > 0 ? 1 / scale : 0;
+    for (std::size_t j = 0; j < target_scale_.size(); ++j)
+        if (target_areas[j] > 0) target_scale_[j] /= target_areas[j];
 }
 
 void Conversion::apply(std::span<const float> source, int channels, std::span<float> target) const {
     std::vector<double> light(source_scale_.size()), sums(target_scale_.size());
     const auto stride = static_cast<std::size_t>(channels);
     for (std::size_t c = 0; c < stride; ++c) {
-        for (std::size_t i = 0; i < light.size(); ++i) light[i] = source_scale_[i] * static_cast<double>(source[i * stride + c]);
+        for (std::size_t i = 0; i < light.size(); ++i)
+            light[i] = source_scale_[i] * static_cast<double>(source[i * stride + c]);
         multiply(target_smaller_, source_smaller_, light, sums);
         for (std::size_t j = 0; j < sums.size(); ++j)
             target[j * stride + c] = static_cast<float>(target_scale_[j] * sums[j]);

@@ -24,6 +24,16 @@ struct Picture {
     int height, width;
 };
 
+// The overlaps of one row of a picture's texels with larger texels of the other picture.
+struct OverlapRow {
+    struct Overlap {
+        std::uint32_t other;  // the larger texel
+        float solid_angle;
+    };
+    std::vector<std::uint32_t> first;  // (width + 1), where each texel's overlaps begin
+    std::vector<Overlap> overlaps;
+};
+
 class Conversion {
   public:
     // Radiance that comes from direction w in the source comes from target_from_source w in the
@@ -38,19 +48,8 @@ class Conversion {
     double residual() const { return residual_; }
 
   private:
-    struct Overlap {
-        std::uint32_t other;  // index of the larger texel
-        float solid_angle;
-    };
-    // The overlaps of one picture's texels with larger texels of the other, in rows of texels.
-    struct Row {
-        std::vector<std::uint32_t> first;  // (width + 1), where each texel's overlaps begin
-        std::vector<Overlap> overlaps;
-    };
-    using Overlaps = std::vector<Row>;
-
-    Overlaps source_smaller_, target_smaller_;
-    // w_ij = source_scale_[i] * overlap * target_scale_[j]
+    std::vector<OverlapRow> source_smaller_, target_smaller_;
+    // w_ij / Omega_j = source_scale_[i] * overlap * target_scale_[j]
     std::vector<double> source_scale_, target_scale_;
     double residual_ = 0;
 };

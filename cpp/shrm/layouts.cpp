@@ -45,14 +45,21 @@ Ray LatLong::ray(double x, double y) const {
 dvec2 LatLong::position(const dvec3& d) const {
     const double u = 0.5 - std::atan2(d.y, d.x) / (2 * pi);
     const double v = std::atan2(std::sqrt(d.x * d.x + d.y * d.y), d.z) / pi;
-    return {within(inset_ + u * (width_ - 2 * inset_), width_), within(inset_ + v * (height_ - 2 * inset_), height_)};
+    return {within(inset_ + u * (width_ - 2 * inset_), width_),
+            within(inset_ + v * (height_ - 2 * inset_), height_)};
+}
+
+Box LatLong::box(int i, int j) const {
+    return {std::max<double>(j, inset_), std::max<double>(i, inset_),
+            std::min<double>(j + 1, width_ - inset_), std::min<double>(i + 1, height_ - inset_)};
 }
 
 double LatLong::solid_angle(int i, int j) const {
     const double first = std::max<double>(j, inset_), last = std::min<double>(j + 1, width_ - inset_);
     // cos a - cos b without cancellation
     const double a = theta(i), b = theta(i + 1);
-    return 2 * pi * (last - first) / (width_ - 2 * inset_) * 2 * std::sin((a + b) / 2) * std::sin((b - a) / 2);
+    return 2 * pi * (last - first) / (width_ - 2 * inset_) * 2 * std::sin((a + b) / 2) *
+           std::sin((b - a) / 2);
 }
 
 // ---- cubes
@@ -78,7 +85,8 @@ Ray Cube::ray(double x, double y) const {
     if (face < 0) return {X, -1};
     const Frame& f = frames_[static_cast<std::size_t>(face)];
     const double scale = 2 / (size_ - 2 * inset_);
-    const double s = scale * (x - f.column * size_ - inset_) - 1, t = 1 - scale * (y - f.row * size_ - inset_);
+    const double s = scale * (x - f.column * size_ - inset_) - 1,
+                 t = 1 - scale * (y - f.row * size_ - inset_);
     const double r2 = 1 + s * s + t * t, r = std::sqrt(r2);
     const bool inside = std::abs(s) <= 1 && std::abs(t) <= 1;
     return {(f.forward + s * f.right + t * f.up) / r, inside ? square(scale) / (r2 * r) : -1};
@@ -93,11 +101,19 @@ dvec2 Cube::position(const dvec3& d) const {
             f.row * size_ + within(inset_ + half * (1 - glm::dot(d, f.up) / depth), size_)};
 }
 
+Box Cube::box(int i, int j) const {
+    const double left = j - j % size_, top = i - i % size_;
+    return {std::max<double>(j, left + inset_), std::max<double>(i, top + inset_),
+            std::min<double>(j + 1, left + size_ - inset_), std::min<double>(i + 1, top + size_ - inset_)};
+}
+
 double Cube::solid_angle(int i, int j) const {
     if (face_at(j + 0.5, i + 0.5) < 0) return 0;
     // The rectangle [0, s] x [0, t] of the plane at distance 1 has the solid angle corner(s, t).
     const auto corner = [](double s, double t) { return std::atan2(s * t, std::sqrt(s * s + t * t + 1)); };
-    const auto edge = [this](int k) { return std::clamp(2 * (k - inset_) / (size_ - 2 * inset_) - 1, -1.0, 1.0); };
+    const auto edge = [this](int k) {
+        return std::clamp(2 * (k - inset_) / (size_ - 2 * inset_) - 1, -1.0, 1.0);
+    };
     const int row = i % size_, column = j % size_;
     const double s0 = edge(column), s1 = edge(column + 1), t0 = edge(row), t1 = edge(row + 1);
     return corner(s1, t1) - corner(s0, t1) - corner(s1, t0) + corner(s0, t0);
@@ -113,9 +129,12 @@ struct Frame {
 
 Frame frame_of(Disc::Kind kind, bool second) {
     switch (kind) {
-        case Disc::Kind::angular: return {X, -Y, Z};
-        case Disc::Kind::mirror_ball: return {-X, -Y, Z};
-        case Disc::Kind::paraboloids: break;
+        case Disc::Kind::angular:
+            return {X, -Y, Z};
+        case Disc::Kind::mirror_ball:
+            return {-X, -Y, Z};
+        case Disc::Kind::paraboloids:
+            break;
     }
     return second ? Frame{-Z, -Y, X} : Frame{Z, -Y, -X};
 }
@@ -130,8 +149,10 @@ double Disc::density(double r2) const {
             const double angle = pi * std::sqrt(r2);
             return pi * pi * (angle < 1e-4 ? 1 - angle * angle / 6 : std::sin(angle) / angle);
         }
-        case Kind::mirror_ball: return 4;
-        case Kind::paraboloids: break;
+        case Kind::mirror_ball:
+            return 4;
+        case Kind::paraboloids:
+            break;
     }
     return 4 / square(1 + r2);
 }
@@ -167,20 +188,29 @@ dvec2 Disc::position(const dvec3& d) const {
     const double sine = std::sqrt(a * a + b * b);
     double r = 0;
     switch (kind_) {
-        case Kind::angular: r = std::atan2(sine, cosine) / pi; break;
+        case Kind::angular:
+            r = std::atan2(sine, cosine) / pi;
+            break;
         case Kind::mirror_ball:
             r = cosine > 0 ? sine / std::sqrt(2 * (1 + cosine)) : std::sqrt((1 - cosine) / 2);
             break;
-        case Kind::paraboloids: r = sine / (1 + cosine); break;
+        case Kind::paraboloids:
+            r = sine / (1 + cosine);
+            break;
     }
     r = std::min(r, 1.0);
     const double radius = size_ / 2.0, s = sine > 0 ? a / sine : 1, t = sine > 0 ? b / sine : 0;
     return {(second ? size_ : 0) + within(radius * (1 + r * s), size_), within(radius * (1 - r * t), size_)};
 }
 
-dvec2 Disc::inner_point(double x, double y) const {
-    const double left = std::floor(x), top = std::floor(y);
-    return {std::clamp(centre(x), left, left + 1), std::clamp(size_ / 2.0, top, top + 1)};
+Box Disc::box(int i, int j) const {
+    const double radius = size_ / 2.0, middle = centre(j + 0.5);
+    const double x0 = j - middle, x1 = x0 + 1, y0 = i - radius, y1 = y0 + 1;
+    // How far the disc reaches in x, at the texel's y that is nearest to the centre; and in y.
+    const double reach_x = std::sqrt(std::max(0.0, square(radius) - square(std::clamp(0.0, y0, y1))));
+    const double reach_y = std::sqrt(std::max(0.0, square(radius) - square(std::clamp(0.0, x0, x1))));
+    return {middle + std::max(x0, -reach_x), radius + std::max(y0, -reach_y), middle + std::min(x1, reach_x),
+            radius + std::min(y1, reach_y)};
 }
 
 double Disc::solid_angle(int i, int j) const {
@@ -209,7 +239,8 @@ double Disc::quadrature(double x0, double x1, double y0, double y1) const {
     // texel at the first of these heights and leaves them at the second.
     const double enters = std::acos(std::min(1.0, x1)), leaves = std::acos(x0);
     const double first = std::asin(y0), last = std::asin(std::min(1.0, y1));
-    const std::array<double, 3> breaks{first, std::clamp(enters, first, last), std::clamp(leaves, first, last)};
+    const std::array<double, 3> breaks{first, std::clamp(enters, first, last),
+                                       std::clamp(leaves, first, last)};
     double sum = 0;
     for (std::size_t k = 0; k < 2; ++k) {
         const double range = breaks[k + 1] - breaks[k];
@@ -231,7 +262,8 @@ namespace {
 double triangle(const dvec3& a, const dvec3& b, const dvec3& c) {
     const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
     const double volume = std::abs(glm::dot(a, glm::cross(b, c)));
-    return 2 * std::atan2(volume, la * lb * lc + glm::dot(a, b) * lc + glm::dot(a, c) * lb + glm::dot(b, c) * la);
+    return 2 *
+           std::atan2(volume, la * lb * lc + glm::dot(a, b) * lc + glm::dot(a, c) * lb + glm::dot(b, c) * la);
 }
 
 // The solid angle of [0, s] x [0, t] in the first quadrant of the unfolded octahedron; odd in
@@ -243,7 +275,8 @@ double octahedral_corner(double s, double t) {
         return sign * (triangle({0, 0, 1}, {a, 0, 1 - a}, {a, b, 1 - a - b}) +
                        triangle({0, 0, 1}, {a, b, 1 - a - b}, {0, b, 1 - b}));
     // The whole face above, less its two cut corners, and the triangle beyond the fold.
-    return sign * (pi / 2 - below(a) - below(b) + triangle({a, 1 - a, 0}, {1 - b, 1 - a, a + b - 1}, {1 - b, b, 0}));
+    return sign *
+           (pi / 2 - below(a) - below(b) + triangle({a, 1 - a, 0}, {1 - b, 1 - a, a + b - 1}, {1 - b, b, 0}));
 }
 
 }  // namespace
@@ -283,7 +316,9 @@ namespace {
 // The pictures of OpenGL's cube map, seen from inside: the face that looks along +x here is its
 // +Z, that along -y its +X. In OpenEXR's cube +Z is +x and +X is +y.
 Layout opengl_strip(int size, bool vertical) {
-    const auto cell = [vertical](dvec3 up, int k) { return Cube::Face{up, vertical ? 0 : k, vertical ? k : 0}; };
+    const auto cell = [vertical](dvec3 up, int k) {
+        return Cube::Face{up, vertical ? 0 : k, vertical ? k : 0};
+    };
     return Cube({cell(Z, 4), cell(Z, 5), cell(Z, 1), cell(Z, 0), cell(-X, 2), cell(X, 3)}, size, 0);
 }
 
@@ -305,15 +340,18 @@ Layout make_layout(std::string_view name, int height, int width) {
     const int h = height, w = width;
     const auto need = [&](bool fits, const char* what) {
         if (fits && h >= 1 && w >= 1) return;
-        throw std::invalid_argument("a picture of layout " + std::string(name) + " is " + what + ", but this one is " +
-                                    std::to_string(h) + " x " + std::to_string(w) + " (height x width)");
+        throw std::invalid_argument("a picture of layout " + std::string(name) + " is " + what +
+                                    ", but this one is " + std::to_string(h) + " x " + std::to_string(w) +
+                                    " (height x width)");
     };
     if (name == "latlong") return need(true, "at least 1 x 1"), LatLong(h, w, 0);
     if (name == "openexr-latlong") return need(h > 1 && w > 1, "at least 2 x 2"), LatLong(h, w, 0.5);
-    if (name == "vertical-cross") return need(w % 3 == 0 && h / 4 == w / 3 && h % 4 == 0, "4n x 3n"), vertical_cross(w / 3);
+    if (name == "vertical-cross")
+        return need(w % 3 == 0 && h / 4 == w / 3 && h % 4 == 0, "4n x 3n"), vertical_cross(w / 3);
     if (name == "horizontal-cross")
         return need(h % 3 == 0 && w / 4 == h / 3 && w % 4 == 0, "3n x 4n"), horizontal_cross(h / 3);
-    if (name == "strip") return need(w == 6 * h || h == 6 * w, "n x 6n or 6n x n"), opengl_strip(std::min(h, w), h > w);
+    if (name == "strip")
+        return need(w == 6 * h || h == 6 * w, "n x 6n or 6n x n"), opengl_strip(std::min(h, w), h > w);
     if (name == "openexr-cube") return need(h == 6 * w && w > 1, "6n x n, n > 1"), openexr_cube(w);
     if (name == "dual-paraboloid") return need(w == 2 * h, "n x 2n"), Disc(Disc::Kind::paraboloids, h);
     if (name == "angular") return need(w == h, "n x n"), Disc(Disc::Kind::angular, h);
@@ -329,8 +367,8 @@ std::vector<double> solid_angles(const Layout& layout, int height, int width) {
 #pragma omp parallel for
             for (int i = 0; i < height; ++i)
                 for (int j = 0; j < width; ++j)
-                    result[static_cast<std::size_t>(i) * static_cast<std::size_t>(width) + static_cast<std::size_t>(j)] =
-                        map.solid_angle(i, j);
+                    result[static_cast<std::size_t>(i) * static_cast<std::size_t>(width) +
+                           static_cast<std::size_t>(j)] = map.solid_angle(i, j);
         },
         layout);
     return result;

@@ -29,6 +29,11 @@ struct Ray {
     double density;
 };
 
+// The smallest rectangle round the part of a texel that is inside the layout's domain.
+struct Box {
+    double x0, y0, x1, y1;
+};
+
 // Latitude and longitude as core.hpp states them. `inset` is 0, or 1/2 for OpenEXR's `envmap`
 // files, whose texel *centres* lie on the edges: their outermost texels are cut in half, and the
 // first and the last column show the same meridian.
@@ -38,7 +43,7 @@ class LatLong {
     Ray ray(double x, double y) const;
     glm::dvec2 position(const glm::dvec3& direction) const;
     double solid_angle(int i, int j) const;
-    glm::dvec2 inner_point(double x, double y) const { return {x, y}; }
+    Box box(int i, int j) const;
 
   private:
     double height_, width_, inset_;
@@ -61,7 +66,7 @@ class Cube {
     Ray ray(double x, double y) const;
     glm::dvec2 position(const glm::dvec3& direction) const;
     double solid_angle(int i, int j) const;
-    glm::dvec2 inner_point(double x, double y) const { return {x, y}; }
+    Box box(int i, int j) const;
 
   private:
     struct Frame {
@@ -92,8 +97,7 @@ class Disc {
     Ray ray(double x, double y) const;
     glm::dvec2 position(const glm::dvec3& direction) const;
     double solid_angle(int i, int j) const;
-    // The point of the texel round (x, y) that is nearest to its disc's centre.
-    glm::dvec2 inner_point(double x, double y) const;
+    Box box(int i, int j) const;
 
   private:
     Kind kind_;
@@ -111,7 +115,7 @@ class Octahedral {
     Ray ray(double x, double y) const;
     glm::dvec2 position(const glm::dvec3& direction) const;
     double solid_angle(int i, int j) const;
-    glm::dvec2 inner_point(double x, double y) const { return {x, y}; }
+    Box box(int i, int j) const { return {1.0 * j, 1.0 * i, j + 1.0, i + 1.0}; }
 
   private:
     int size_;
