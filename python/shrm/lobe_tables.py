@@ -1,7 +1,7 @@
 """Tables of lobes for direct integration, and how wide a lobe is.
 
-The C++ integrator sees a BRDF only through these tables. Each is in coordinates in which the function is smooth:
-a radial profile over sin(theta/2); an isotropic lobe as E(theta_h) times a ratio on the box of
+The C++ integrator sees a BRDF only through these tables. Each is in coordinates in which the function is
+smooth: a radial profile over sin(theta/2); an isotropic lobe as E(theta_h) times a ratio on the box of
 (view, light, azimuth), whose edge is the horizon. Each knows its own interpolation error.
 
 The angular width of a lobe follows Ramamoorthi & Hanrahan, "Frequency Space Environment Map Rendering", ACM
@@ -57,7 +57,8 @@ class RadialTable:
     width : float
         Angle within which half of it lies.
     error : float
-        Largest interpolation error over the largest value, measured between the nodes.
+        Relative root mean square interpolation error over the sphere, taken where it is largest: midway
+        between nodes.
     """
 
     values: npt.NDArray[np.float32]
@@ -71,15 +72,13 @@ def radial_table(profile: Profile, tolerance: float) -> RadialTable:
     for intervals in RADIAL_INTERVALS:
         s = np.arange(2 * intervals + 1) / (2 * intervals)
         u = _channels_last(profile(1 - 2 * s**2))
-        between = np.abs(u[1::2] - 0.5 * (u[:-1:2] + u[2::2])).max()
-        largest = np.abs(u).max()
-        if between <= WANTED_ERROR * largest:
+        linear = 0.5 * (u[:-1:2] + u[2::2])
+        error = _relative_rms(linear, u[1::2], s[1::2, None])
+        if error <= WANTED_ERROR:
             break
-    outer, width = (
-        np.pi if part == 0 else _angle_within(s, u, part) for part in (tolerance, 0.5)
-    )
-    values = _padded(u[::2].T, axis=1).astype(np.float32)
-    return RadialTable(values, outer, width, float(between / largest) if largest > 0 else 0.0)
+    outer, width = (np.pi if part == 0 else _angle_within(s, u, part) for part in (tolerance, 0.5))
+    values = np.ascontiguousarray(_padded(u[::2].T, axis=1).astype(np.float32))
+    return RadialTable(values, outer, width, error)
 
 
 def _angle_within(s: Array, u: Array, left_out: float) -> float:
