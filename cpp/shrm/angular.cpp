@@ -378,7 +378,7 @@ SHRM_INLINE void look_up(const Lookup& table, const float* __restrict envelope, 
         const int ke = static_cast<int>(xe);
         const float e = envelope[ke] + (xe - static_cast<float>(ke)) * (envelope[ke + 1] - envelope[ke]);
 
-        const float xl = table.light_intervals * std::sqrt(1.0f - z);
+        const float xl = table.light_intervals * std::sqrt(1.0f - std::sqrt(z));
         const float xa = table.azimuth_intervals * (0.5f - 0.5f * x / (std::abs(x) + std::abs(y) + tiny));
         const int kl = static_cast<int>(xl), ka = static_cast<int>(xa);
         cell[j] = kl * table.row + ka;
@@ -410,7 +410,7 @@ SHRM_CLONES void isotropic_query(const Nodes& nodes, const Planes& planes, const
     const glm::dvec3 y_axis = glm::cross(n, x_axis);
 
     // The table at this view.
-    const double place = table.view_intervals * std::sqrt(1 - cos_v);
+    const double place = table.view_intervals * (1 - std::sqrt(std::asin(cos_v) * 2 / pi));
     const int from = std::min(static_cast<int>(place), table.view_intervals - 1);
     const double t = place - from;
     const int row = table.azimuth_intervals + 2;
