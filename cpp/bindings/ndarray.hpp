@@ -3,10 +3,13 @@
 // a ValueError. Python has checked its users' input already; this ring guards memory.
 #pragma once
 
+#include <cmath>
 #include <initializer_list>
-#include <stdexcept>
+#include <span>
 #include <string>
+#include <vector>
 
+#include <glm/vec3.hpp>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
@@ -43,8 +46,43 @@ Array<T> allocate(std::initializer_list<py::ssize_t> shape) {
     return Array<T>(std::vector<py::ssize_t>(shape));
 }
 
+// The array's memory as the core sees it.
+template <class T>
+std::span<const T> view(const Array<T>& array) {
+    return {array.data(), static_cast<std::size_t>(array.size())};
+}
+template <class T>
+std::span<T> view(Array<T>& array) {
+    return {array.mutable_data(), static_cast<std::size_t>(array.size())};
+}
+// (n, 3) as n vectors.
+inline std::span<const glm::dvec3> vectors(const Array<double>& array) {
+    static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
+    return {reinterpret_cast<const glm::dvec3*>(array.data()), static_cast<std::size_t>(array.shape(0))};
+}
+
+inline py::ssize_t ssize(std::size_t n) { return static_cast<py::ssize_t>(n); }
+
 inline int extent(const py::array& array, int axis) {
     return static_cast<int>(array.shape(axis));
+}
+
+inline void require_positive(const char* name, int value) {
+    if (value < 1) throw py::value_error(std::string(name) + " is " + std::to_string(value) + ", but must be positive");
+}
+
+inline void require_degree(const char* name, int value) {
+    if (value < 0) throw py::value_error(std::string(name) + " is " + std::to_string(value) + ", but must not be negative");
+}
+
+// F of an array of shape ((F+1)^2, channels).
+inline int degree_of(const Array<double>& coefficients, const char* name) {
+    require_shape(coefficients, name, {any, any});
+    const auto side = static_cast<py::ssize_t>(std::lround(std::sqrt(static_cast<double>(coefficients.shape(0)))));
+    if (side < 1 || side * side != coefficients.shape(0))
+        throw py::value_error(std::string(name) + " has " + std::to_string(coefficients.shape(0)) +
+                              " rows, but needs (F+1)^2");
+    return static_cast<int>(side) - 1;
 }
 
 }  // namespace shrm::bindings
