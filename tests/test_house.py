@@ -25,7 +25,9 @@ def test_the_tool_has_nothing_to_say(command: list[str]) -> None:
     tool = shutil.which(command[0], path=str(Path(sys.executable).parent))
     if tool is None:
         pytest.skip(f"{command[0]} is not installed beside this Python (pip install 'shrm[test]')")
-    done = subprocess.run([tool, *command[1:]], cwd=ROOT, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    done = subprocess.run(
+        [tool, *command[1:]], cwd=ROOT, capture_output=True, text=True, stdin=subprocess.DEVNULL
+    )
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -35,7 +37,9 @@ def test_one_version_everywhere() -> None:
     assert version is not None
     assert cited is not None
     assert cited[1] == version[1]
-    assert re.search(rf"^## \[({re.escape(version[1])}|Unreleased)\]", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    assert re.search(
+        rf"^## \[({re.escape(version[1])}|Unreleased)\]", (ROOT / "CHANGELOG.md").read_text(), re.M
+    )
 
 
 def test_importing_the_package_and_the_command_is_light() -> None:
