@@ -1,7 +1,55 @@
+#include "shrm/brdf_analysis.hpp"
+
 #include "ndarray.hpp"
 
 namespace shrm::bindings {
+namespace {
 
-void bind_brdf_analysis(py::module_&) {}
+Array<double> legendre(int F, int m, const Array<double>& theta) {
+    require_degree("F", F);
+    require_degree("m", m);
+    require_shape(theta, "theta", {any});
+    auto values = allocate<double>({F + 1, theta.shape(0)});
+    shrm::legendre(F, m, view(theta), view(values));
+    return values;
+}
+
+py::tuple project(const Array<double>& rho_hat, const Array<double>& theta_i, const Array<double>& weight_theta,
+                  const Array<double>& phi, const Array<double>& weight_phi, int L, int Q) {
+    require_shape(rho_hat, "rho_hat", {any, any, any, any});
+    const py::ssize_t views = rho_hat.shape(0), I = rho_hat.shape(1), K = rho_hat.shape(2), channels = rho_hat.shape(3);
+    require_shape(theta_i, "theta_i", {views, I});
+    require_shape(weight_theta, "weight_theta", {views, I});
+    require_shape(phi, "phi", {views, I, K});
+    require_shape(weight_phi, "weight_phi", {views, I, K});
+    require_degree("L", L);
+    require_degree("Q", Q);
+    const TransferTable table{.views = extent(rho_hat, 0),
+                              .I = extent(rho_hat, 1),
+                              .K = extent(rho_hat, 2),
+                              .channels = extent(rho_hat, 3),
+                              .rho_hat = view(rho_hat),
+                              .theta_i = view(theta_i),
+                              .weight_theta = view(weight_theta),
+                              .phi = view(phi),
+                              .weight_phi = view(weight_phi)};
+    auto g = allocate<double>({channels, Q + 1, L + 1, views});
+    auto energy = allocate<double>({channels, views});
+    const auto g_out = view(g), energy_out = view(energy);
+    {
+        const py::gil_scoped_release release;
+        shrm::project(table, L, Q, g_out, energy_out);
+    }
+    return py::make_tuple(g, energy);
+}
+
+}  // namespace
+
+void bind_brdf_analysis(py::module_& module) {
+    using namespace py::literals;
+    module.def("legendre", &legendre, py::kw_only(), "F"_a, "m"_a, "theta"_a.noconvert());
+    module.def("project", &project, py::kw_only(), "rho_hat"_a.noconvert(), "theta_i"_a.noconvert(),
+               "weight_theta"_a.noconvert(), "phi"_a.noconvert(), "weight_phi"_a.noconvert(), "L"_a, "Q"_a);
+}
 
 }  // namespace shrm::bindings

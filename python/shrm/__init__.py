@@ -1,1 +1,5 @@
 """shrm: frequency-space environment map rendering."""
+
+from . import brdf
+
+__all__ = ["brdf"]

@@ -1,1 +1,51 @@
-"""BRDF models."""
+"""BRDF models: materials that reflect an environment.
+
+A material (`BRDF`) is a sum of lobes, each a transfer function about its own central direction; it
+can be evaluated on arrays of directions, added to others and scaled. Adding a model is writing one
+function of (wi, wo).
+
+    lobe          the lobes and the material; start here
+    lambert       about the normal
+    phong         about the reflection
+    microfacet    lafortune    ggx    beckmann    tabulated    about the lobe centre
+    kajiya_kay    banks                                        about the tangent
+    function      from a Python function, about any of them
+    parse         materials from text, for the command line
+    albedo        directional albedo by quadrature
+"""
+
+from shrm.brdf.albedo import directional_albedo
+from shrm.brdf.banks import Banks
+from shrm.brdf.beckmann import Beckmann
+from shrm.brdf.function import from_function
+from shrm.brdf.ggx import GGX
+from shrm.brdf.kajiya_kay import KajiyaKay
+from shrm.brdf.lafortune import Lafortune
+from shrm.brdf.lambert import Lambert
+from shrm.brdf.lobe import BRDF, Center, IsotropicLobe, Lobe, Material, RadialLobe, ZonalLobe
+from shrm.brdf.microfacet import Microfacet
+from shrm.brdf.parse import parse
+from shrm.brdf.phong import Phong
+from shrm.brdf.tabulated import Tabulated
+
+__all__ = [
+    "BRDF",
+    "GGX",
+    "Banks",
+    "Beckmann",
+    "Center",
+    "IsotropicLobe",
+    "KajiyaKay",
+    "Lafortune",
+    "Lambert",
+    "Lobe",
+    "Material",
+    "Microfacet",
+    "Phong",
+    "RadialLobe",
+    "Tabulated",
+    "ZonalLobe",
+    "directional_albedo",
+    "from_function",
+    "parse",
+]

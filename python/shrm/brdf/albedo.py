@@ -1,0 +1,170 @@
+"""The directional albedo of a material, by float64 quadrature of its transfer function.
+
+    a(theta_v) = integral of rho_hat(L, V) over all L
+
+It is what a white furnace shows: the radiance reflected to V under an environment of radiance 1
+everywhere. (The integral is over the sphere; rho_hat is zero below the horizon where the model has
+one.)
+
+Each lobe is integrated in polar coordinates about its own axis, with Gauss-Legendre panels that
+shrink geometrically towards the places where lobes peak and break at the places where they end:
+
+    radial      about C: one integral over theta_i, panels halving towards 0, a break at pi/2
+    zonal       about T: one integral over theta_i, panels halving towards theta_o and pi - theta_o
+    isotropic   about R: panels halve towards theta = 0; the range of phi at each theta is the
+                part above the horizon, known in closed form, with panels halving towards its ends
+
+The number of nodes per panel is doubled until the result keeps to 1e-8.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.brdf import parameters
+from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
+
+# Panels halve this often: the smallest, pi / 2^22, is below the narrowest lobe allowed.
+_HALVINGS = 22
+_TOLERANCE = 1e-8
+
+
+def directional_albedo(brdf: BRDF, cos_theta_v: npt.ArrayLike) -> FloatArray:
+    """Integrate a material's transfer function over all light directions.
+
+    Parameters
+    ----------
+    brdf : BRDF
+        A material whose lobes share a frame.
+    cos_theta_v : (n,) array_like
+        N.V in [0, 1]; for a material about the tangent T.V in [-1, 1].
+
+    Returns
+    -------
+    (n, channels) float64
+        To 1e-6 for the built-in models; a warning says where the quadrature did not settle.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not as above.
+    """
+    if not isinstance(brdf, BRDF):
+        raise TypeError(f"brdf must be a material, got {brdf!r}")
+    cosines = parameters.array("directional_albedo", "cos_theta_v", cos_theta_v)
+    lowest = 0.0 if brdf.frame == "normal" else -1.0
+    if cosines.ndim != 1 or np.any((cosines < lowest) | (cosines > 1.0)):
+        raise ValueError(
+            f"cos_theta_v must have the shape (n,) and lie in [{lowest:g}, 1], got shape {cosines.shape} "
+            f"from {cosines.min(initial=1.0):g} to {cosines.max(initial=0.0):g}"
+        )
+    result = np.zeros((len(cosines), brdf.channels))
+    for lobe in brdf.lobes:
+        for row, cosine in enumerate(cosines):
+            result[row] += _settled(lobe, float(cosine))
+    return result
+
+
+def _settled(lobe: Lobe, cos_theta_v: float) -> FloatArray:
+    """The integral of a lobe, (1,) or (3,), with as many nodes as it takes."""
+    integral = _integral_of(lobe)
+    coarse = integral(lobe, cos_theta_v, 6)
+    change = np.inf
+    for nodes in (12, 24, 48):
+        fine = integral(lobe, cos_theta_v, nodes)
+        change = float(np.max(np.abs(fine - coarse) / np.maximum(1.0, np.abs(fine))))
+        if change < _TOLERANCE:
+            return fine
+        coarse = fine
+    if change > 1e-6:
+        warnings.warn(
+            f"directional albedo at cosine {cos_theta_v:g} is only known to {change:.1e}",
+            RuntimeWarning,
+            stacklevel=3,
+        )
+    return coarse
+
+
+def _integral_of(lobe: Lobe) -> Callable[[Lobe, float, int], FloatArray]:
+    if isinstance(lobe, RadialLobe):
+        return _radial
+    return _zonal if isinstance(lobe, ZonalLobe) else _isotropic
+
+
+def _radial(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
+    assert isinstance(lobe, RadialLobe)
+    theta, weight = _gauss(_halving(0.0, np.pi), nodes)
+    return _weighted(2.0 * np.pi * np.sin(theta) * weight, lobe.profile(np.cos(theta)))
+
+
+def _zonal(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
+    assert isinstance(lobe, ZonalLobe)
+    theta_o = float(np.arccos(cos_theta_v))
+    # A profile may be cut off at any angle: many even panels besides the graded ones.
+    edges = [np.linspace(0.0, np.pi, 4097)]
+    for peak in (theta_o, np.pi - theta_o):
+        edges += [peak - _halving(0.0, np.pi), peak + _halving(0.0, np.pi)]
+        edges.append(np.array([peak - np.pi / 2, peak + np.pi / 2]))
+    breaks = np.unique(np.concatenate(edges))
+    theta, weight = _gauss(breaks[(breaks >= 0.0) & (breaks <= np.pi)], nodes)
+    values = lobe.profile(theta, np.full_like(theta, theta_o))
+    return _weighted(2.0 * np.pi * np.sin(theta) * weight, values)
+
+
+def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
+    assert isinstance(lobe, IsotropicLobe)
+    sin_v = np.sqrt((1.0 - cos_theta_v) * (1.0 + cos_theta_v))
+    elevation = np.arctan2(cos_theta_v, sin_v)  # of R above the horizon
+    end = np.pi - elevation  # of the hemisphere, as seen from R; all azimuths are in it up to `elevation`
+    edges = [
+        _halving(0.0, np.pi / 2),
+        elevation - _halving(0.0, elevation)[-12:],  # the range of phi has square roots at both ends
+        elevation + _halving(0.0, end - elevation)[-12:],
+        end - _halving(0.0, end - elevation)[-12:],
+        np.array([elevation, end]),
+    ]
+    theta, theta_weight = _gauss(np.unique(np.concatenate(edges).clip(0.0, end)), nodes)
+    # In the frame of R, N is at angle theta_v, azimuth 0, and N.L > 0 where cos(phi) > limit.
+    with np.errstate(divide="ignore", over="ignore"):
+        limit = -np.divide(cos_theta_v, sin_v) / np.tan(theta)
+    widest = (
+        np.arccos(np.clip(limit, -1.0, 1.0)) if sin_v > 0.0 else np.where(np.cos(theta) > 0.0, np.pi, 0.0)
+    )
+    half = _halving(0.0, 0.5)[-9:]
+    part, part_weight = _gauss(np.unique(np.concatenate([[0.0], half, 1.0 - half, [1.0]])), nodes)
+    phi = widest[:, None] * part
+    sine, cosine = np.sin(theta)[:, None], np.cos(theta)[:, None]
+    x, y, z = sine * np.cos(phi), sine * np.sin(phi), cosine + 0.0 * phi
+    # To the frame of N: R = (-sin_v, 0, cos_v), and the axis of azimuth 0 leads from R towards N.
+    wi = np.stack([cos_theta_v * x - sin_v * z, y, sin_v * x + cos_theta_v * z], axis=-1).reshape(-1, 3)
+    wo = np.broadcast_to([sin_v, 0.0, cos_theta_v], wi.shape)
+    weight = 2.0 * (theta_weight * np.sin(theta) * widest)[:, None] * part_weight  # 2: phi and -phi
+    return _weighted(weight.ravel(), lobe.transfer(wi, np.ascontiguousarray(wo)))
+
+
+def _weighted(weight: FloatArray, values: FloatArray) -> FloatArray:
+    return weight @ (values if values.ndim == 2 else values[:, None])
+
+
+def _halving(start: float, end: float) -> FloatArray:
+    """Edges from start to end, each interval from start half of the next."""
+    return start + (end - start) * np.concatenate([[0.0], 0.5 ** np.arange(_HALVINGS, -1, -1)])
+
+
+def _gauss(breaks: FloatArray, nodes: int) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights of Gauss-Legendre quadrature on every interval between the breaks."""
+    x, w = _legendre(nodes)
+    width = np.diff(breaks)[:, None]
+    points = breaks[:-1, None] + width * (0.5 * (x + 1.0))
+    return points.ravel(), (0.5 * width * w).ravel()
+
+
+@cache
+def _legendre(nodes: int) -> tuple[FloatArray, FloatArray]:
+    x, w = np.polynomial.legendre.leggauss(nodes)
+    return x, w

@@ -1,0 +1,162 @@
+"""The generalised cosine lobes of Lafortune et al. 1997.
+
+    rho_hat = N.L ( diffuse / pi + sum_k max(0, Cx Lx Vx + Cy Ly Vy + Cz Lz Vz)^n )    where N.L > 0
+
+with coefficients C and exponents n per lobe k and channel. The cosine is in it. L and V both point
+away from the surface, so a lobe round the mirror direction has Cx = Cy < 0 < Cz (-1, -1, 1 is a cosine
+lobe about R); Cz < 0 makes lobes that act at grazing angles only.
+
+The diffuse part is a Lambert lobe about the normal; the rest is one lobe about the lobe centre, or
+about the reflection. `recentred("reflection", merge=True)` puts both into one lobe about R, as
+[RH02 footnote 6] does.
+
+Lobes with Cx != Cy depend on the azimuth of L and V itself, not only on its difference: they are
+anisotropic, and no map about R, N or the lobe centre can hold them.
+
+References
+----------
+E. Lafortune, S.-C. Foo, K. Torrance, D. Greenberg. Non-Linear Approximation of Reflectance Functions.
+SIGGRAPH 1997: the model for a diagonal matrix, written out in components.
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.brdf import parameters
+from shrm.brdf.half_vector import above_horizon
+from shrm.brdf.lambert import Lambert
+from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe, Lobe
+from shrm.brdf.parameters import RGB
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Lafortune(BRDF):
+    """A sum of generalised cosine lobes and a diffuse term.
+
+    Parameters
+    ----------
+    x, y, z : (K,) or (K, 3) array_like
+        Cx, Cy, Cz of K lobes; with three columns, one per channel. x must equal y.
+    exponent : (K,) or (K, 3) array_like
+        n, at least 0.
+    diffuse : float or three floats
+        Albedo of the diffuse part, in [0, 1].
+    label : str
+        What the name shows, such as "skin".
+
+    Raises
+    ------
+    ValueError
+        If x and y differ (anisotropic), or an argument is out of its range or shape.
+    """
+
+    x: npt.ArrayLike
+    y: npt.ArrayLike
+    z: npt.ArrayLike
+    exponent: npt.ArrayLike
+    diffuse: float | RGB = 0.0
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        arrays = {
+            key: parameters.array("Lafortune", key, getattr(self, key)) for key in ("x", "y", "z", "exponent")
+        }
+        shapes = {value.shape for value in arrays.values()}
+        shape = shapes.pop()
+        if shapes or len(shape) not in (1, 2) or shape[0] == 0 or shape[1:] not in ((), (3,)):
+            found = ", ".join(f"{key} {value.shape}" for key, value in arrays.items())
+            raise ValueError(
+                f"Lafortune: x, y, z, exponent must share the shape (K,) or (K, 3), K > 0, got {found}"
+            )
+        if not np.array_equal(arrays["x"], arrays["y"]):
+            raise ValueError(
+                "Lafortune: x and y differ, so the BRDF depends on the absolute azimuth about the normal "
+                "(it is anisotropic) and cannot be centred on R, N or the lobe: x must equal y"
+            )
+        if arrays["exponent"].min() < 0.0:
+            raise ValueError(f"Lafortune: exponent must be at least 0, got {arrays['exponent'].min():g}")
+        largest = np.maximum(np.abs(arrays["x"]), np.abs(arrays["z"]))  # bounds the dot product
+        if np.any(arrays["exponent"] * np.log(np.maximum(largest, 1.0)) > 200.0):
+            raise ValueError(
+                "Lafortune: exponent must keep max(|x|, |z|)^exponent below exp(200), got a larger value"
+            )
+        for key, value in arrays.items():
+            value.setflags(write=False)
+            object.__setattr__(self, key, value)
+        diffuse = parameters.number_or_rgb("Lafortune", "diffuse", self.diffuse, 0.0, 1.0)
+        object.__setattr__(self, "diffuse", diffuse)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], name: str) -> Lafortune:
+        """Read one material of a JSON file of coefficients.
+
+        The file is an object of materials; each has `diffuse` and, for k = 0, 1, ..., `xyk` (or `xk`
+        and `yk`), `zk`, `ek`, each three numbers R, G, B.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            If it is no such file, or has no material of that name; the text names those it has.
+        """
+        try:
+            materials = json.loads(Path(path).read_text(encoding="utf-8"))
+        except (UnicodeDecodeError, json.JSONDecodeError, RecursionError):
+            raise ValueError(f"{path}: not a JSON file of Lafortune coefficients") from None
+        if not isinstance(materials, dict):
+            raise ValueError(f"{path}: must be a JSON object of materials, got {type(materials).__name__}")
+        if name not in materials:
+            raise ValueError(
+                f"{path}: no material {name!r}; it has {', '.join(map(repr, materials)) or 'none'}"
+            )
+        try:
+            return cls(**_coefficients(materials[name]), label=name)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{path}: material {name!r}: {error}") from None
+
+    @property
+    def lobes(self) -> tuple[Lobe, ...]:
+        """The glossy lobe about the lobe centre, and the diffuse one about the normal where there is any."""
+        glossy = IsotropicLobe("lobe", self._transfer)
+        return (glossy, *Lambert(self.diffuse).lobes) if np.any(self.diffuse) else (glossy,)
+
+    @property
+    def name(self) -> str:
+        """Such as "lafortune(skin)"; no text for `parse`, which needs the file."""
+        return f"lafortune({self.label or f'{len(np.asarray(self.x))} lobes'})"
+
+    def _transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        xy, z, exponent = (np.asarray(value) for value in (self.x, self.z, self.exponent))
+        column = (slice(None),) + (None,) * (xy.ndim - 1)  # (n,) against the (3,) channels of a lobe
+        along = (wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])[column]
+        up = (wi[:, 2] * wo[:, 2])[column]
+        cosine = np.where(above_horizon(wi, wo), wi[:, 2], 0.0)[column]
+        total = np.zeros(along.shape[:1] + xy.shape[1:])
+        for k in range(len(xy)):
+            dot = xy[k] * along + z[k] * up
+            total += np.where(dot > 0.0, np.maximum(dot, 0.0) ** exponent[k], 0.0)
+        return total * cosine
+
+
+def _coefficients(material: object) -> dict[str, Any]:
+    """Arguments of `Lafortune` from one material of the file."""
+    if not isinstance(material, dict):
+        raise ValueError(f"must be a JSON object, got {type(material).__name__}")
+    columns: dict[str, list[object]] = {"x": [], "y": [], "z": [], "exponent": []}
+    while (k := len(columns["z"])) == 0 or f"z{k}" in material:
+        for argument, keys in (("x", ("xy", "x")), ("y", ("xy", "y")), ("z", ("z",)), ("exponent", ("e",))):
+            found = [f"{key}{k}" for key in keys if f"{key}{k}" in material]
+            if not found:
+                raise ValueError(f"{' or '.join(f'{key}{k}' for key in keys)} is missing")
+            columns[argument].append(material[found[0]])
+    return {**columns, "diffuse": material.get("diffuse", 0.0)}

@@ -1,0 +1,387 @@
+"""Lobes and materials: what the rest of shrm sees of a BRDF.
+
+A *lobe* is a transfer function rho_hat(wi, wo) with a central direction C. It is the BRDF times
+the cosine N.L where the model has one, and it is zero below the horizon, so that the reflected
+radiance is the plain integral of rho_hat times the environment over all directions wi.
+
+Directions wi (to the light) and wo = V (to the eye) are unit vectors in the frame x = tangent,
+z = normal. For lobes about the tangent the frame has z = T instead, and there is no normal.
+
+    RadialLobe      rho_hat = profile(C.L)                 one dimension: Lambert, Phong
+    ZonalLobe       rho_hat = profile(theta_i, theta_o)    angles from T: Kajiya-Kay, Banks
+    IsotropicLobe   rho_hat = function(wi, wo)             everything else
+
+The central direction, with theta_v the angle between N and V [RH02 sec. 3.1]:
+
+    "normal"        C = N
+    "reflection"    C = R = 2 (N.V) N - V
+    "lobe"          C in the plane of N and V, at the energy-weighted mean direction of the lobe
+    "tangent"       C = T
+
+A *material* (`BRDF`) is a sum of lobes, each with its own centre.
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.brdf import parameters
+from shrm.brdf.parameters import RGB
+
+FloatArray = npt.NDArray[np.float64]
+Center = Literal["lobe", "reflection", "normal", "tangent"]
+Frame = Literal["normal", "tangent"]
+
+
+class Lobe(ABC):
+    """A transfer function with a central direction.
+
+    Attributes
+    ----------
+    center : {"lobe", "reflection", "normal", "tangent"}
+        The central direction C.
+    """
+
+    center: Center
+
+    @abstractmethod
+    def transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat, the cosine included.
+
+        Parameters
+        ----------
+        wi, wo : (n, 3) float64
+            Unit vectors to the light and to the eye, in the frame of the lobe. Not checked here:
+            `BRDF.transfer` is the door.
+
+        Returns
+        -------
+        (n,) or (n, 3) float64
+            Per steradian; one column per channel where the channels differ.
+        """
+
+    @abstractmethod
+    def scaled(self, factor: float | RGB) -> Lobe:
+        """Return the lobe times a number, or times one per channel."""
+
+    @property
+    def frame(self) -> Frame:
+        """The z axis of wi and wo: "normal" or "tangent"."""
+        return "tangent" if self.center == "tangent" else "normal"
+
+    @property
+    def channels(self) -> Literal[1, 3]:
+        """1 if `transfer` returns (n,), 3 if it returns (n, 3)."""
+        z = np.array([[0.0, 0.0, 1.0]])
+        return 1 if self.transfer(z, z).ndim == 1 else 3
+
+
+@dataclass(frozen=True)
+class RadialLobe(Lobe):
+    """A lobe of fixed shape, symmetric about C: rho_hat = profile(C.L), [RH02 sec. 3.1].
+
+    Parameters
+    ----------
+    center : {"reflection", "normal"}
+        C.
+    profile : callable
+        cos(theta_i) = C.L, (n,) float64 in [-1, 1], to (n,) or (n, 3) float64.
+    """
+
+    center: Center
+    profile: Callable[[FloatArray], FloatArray]
+
+    def __post_init__(self) -> None:
+        _require_center(self, "reflection", "normal")
+
+    def transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat; see `Lobe.transfer`."""
+        cos_theta_i = wi[:, 2]
+        if self.center == "reflection":  # R.L with R = 2 (N.V) N - V
+            cos_theta_i = 2.0 * wo[:, 2] * wi[:, 2] - np.einsum("nc,nc->n", wi, wo)
+        return self.profile(np.clip(cos_theta_i, -1.0, 1.0))
+
+    def scaled(self, factor: float | RGB) -> RadialLobe:
+        """Return the lobe times a number, or times one per channel."""
+        return replace(self, profile=lambda cos_theta_i: _times(self.profile(cos_theta_i), factor))
+
+
+@dataclass(frozen=True)
+class ZonalLobe(Lobe):
+    """A lobe about the tangent that depends on two angles only: rho_hat = profile(theta_i, theta_o).
+
+    Without a normal there is neither a cosine nor a horizon; only q = 0 remains of its
+    coefficients [RH02 sec. 7.1, Kajiya-Kay].
+
+    Parameters
+    ----------
+    center : {"tangent"}
+        C = T.
+    profile : callable
+        theta_i, theta_o, the angles of L and V from T, (n,) float64 in [0, pi], to (n,) or (n, 3)
+        float64.
+    """
+
+    center: Center
+    profile: Callable[[FloatArray, FloatArray], FloatArray]
+
+    def __post_init__(self) -> None:
+        _require_center(self, "tangent")
+
+    def transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat; see `Lobe.transfer`."""
+        theta_i, theta_o = (np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2]) for w in (wi, wo))
+        return self.profile(theta_i, theta_o)
+
+    def scaled(self, factor: float | RGB) -> ZonalLobe:
+        """Return the lobe times a number, or times one per channel."""
+        return replace(self, profile=lambda theta_i, theta_o: _times(self.profile(theta_i, theta_o), factor))
+
+
+@dataclass(frozen=True)
+class IsotropicLobe(Lobe):
+    """Any lobe that keeps its value when L and V turn together about N, or are mirrored together.
+
+    That is, it depends on theta_i, theta_o and |phi_i - phi_o| about N; hence about R, or any
+    other C in the plane of N and V, it is a function rho_hat(theta_i, theta_o, |phi|).
+
+    Parameters
+    ----------
+    center : {"lobe", "reflection", "normal"}
+        C.
+    function : callable
+        wi, wo, (n, 3) float64, to (n,) or (n, 3) float64, zero where N.L <= 0.
+    """
+
+    center: Center
+    function: Callable[[FloatArray, FloatArray], FloatArray]
+
+    def __post_init__(self) -> None:
+        _require_center(self, "lobe", "reflection", "normal")
+
+    def transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat; see `Lobe.transfer`."""
+        return self.function(wi, wo)
+
+    def scaled(self, factor: float | RGB) -> IsotropicLobe:
+        """Return the lobe times a number, or times one per channel."""
+        return replace(self, function=lambda wi, wo: _times(self.function(wi, wo), factor))
+
+
+class BRDF(ABC):
+    """A material: a sum of lobes, each with its own centre.
+
+    `a + b` is the material that reflects what both reflect; `0.5 * a` and `(1, 0.5, 0.2) * a`
+    scale it, per channel where three numbers are given. Factors are at least 0.
+    """
+
+    # So that numpy's scalars and arrays leave `factor * material` to `__rmul__`.
+    __array_ufunc__ = None
+
+    @property
+    @abstractmethod
+    def lobes(self) -> tuple[Lobe, ...]:
+        """The lobes whose sum the material is, in a fixed order."""
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """A short text such as "ggx(alpha=0.1)"; `parse` reads those of analytic materials."""
+
+    @property
+    def channels(self) -> Literal[1, 3]:
+        """3 if any lobe has three channels, else 1."""
+        return 3 if any(lobe.channels == 3 for lobe in self.lobes) else 1
+
+    @property
+    def frame(self) -> Frame:
+        """The frame that all lobes share: "normal" or "tangent".
+
+        Raises
+        ------
+        ValueError
+            If some are about the tangent and some are not.
+        """
+        frames = {lobe.frame for lobe in self.lobes}
+        if len(frames) > 1:
+            raise ValueError(
+                f"{self.name} has lobes about the tangent and lobes about the normal, "
+                "which share no frame: evaluate its lobes one by one"
+            )
+        return frames.pop()
+
+    def transfer(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> FloatArray:
+        """Evaluate rho_hat, the sum over the lobes, the cosine included.
+
+        Parameters
+        ----------
+        wi, wo : (n, 3) array_like
+            Unit vectors to the light and to the eye in the frame x = tangent, z = normal (a
+            material about the tangent: z = T).
+
+        Returns
+        -------
+        (n,) or (n, 3) float64
+            Per steradian.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `wi` or `wo` is not an array of n unit vectors, or the lobes share no frame.
+        """
+        directions_i, directions_o = unit_vectors("wi", wi), unit_vectors("wo", wo)
+        if directions_i.shape != directions_o.shape:
+            raise ValueError(
+                f"wi and wo must have the same shape, got {directions_i.shape} and {directions_o.shape}"
+            )
+        self.frame  # noqa: B018  (refuses lobes that share no frame)
+        return _sum_of_transfers(self.lobes, directions_i, directions_o)
+
+    def recentred(self, center: Center, *, merge: bool = False) -> BRDF:
+        """Return the same material with its lobes about another centre.
+
+        Lobes that are exactly symmetric (radial) about their own centre keep it, unless they are merged.
+
+        Parameters
+        ----------
+        center : {"lobe", "reflection", "normal"}
+            The new centre of the isotropic lobes. ("tangent" leaves a material about the tangent
+            as it is.)
+        merge : bool
+            Put everything, a diffuse lobe included, into one isotropic lobe about `center`; with
+            "reflection" that is how [RH02] treats materials with a diffuse part (footnote 6).
+
+        Raises
+        ------
+        ValueError
+            If no such material exists; the text says why.
+        """
+        if center not in get_args(Center):
+            raise ValueError(f"center must be one of {', '.join(get_args(Center))}, got {center!r}")
+        wanted = "tangent" if center == "tangent" else "normal"
+        if any(lobe.frame != wanted for lobe in self.lobes):
+            raise ValueError(
+                f"{self.name} cannot be centred on the {_CENTER_TEXT[center]}: a lobe about the tangent has "
+                "no normal, and a lobe about the normal, the reflection or the lobe centre depends on it"
+            )
+        if not merge:
+            moved = (
+                replace(lobe, center=center) if isinstance(lobe, IsotropicLobe) else lobe
+                for lobe in self.lobes
+            )
+            return Material(tuple(moved), self.name)
+        if center == "tangent":
+            raise ValueError(f"{self.name} cannot be merged about the tangent: its lobes have no normal")
+        if any(isinstance(lobe, RadialLobe) and lobe.center == "reflection" for lobe in self.lobes):
+            raise ValueError(
+                f"{self.name} cannot be merged: its lobe about the reflection has no horizon, "
+                "and an isotropic lobe is zero below it"
+            )
+        lobes = self.lobes
+        return Material((IsotropicLobe(center, lambda wi, wo: _sum_of_transfers(lobes, wi, wo)),), self.name)
+
+    def __add__(self, other: object) -> BRDF:
+        if not isinstance(other, BRDF):
+            return NotImplemented
+        return Material(self.lobes + other.lobes, f"{self.name} + {other.name}")
+
+    def __mul__(self, factor: object) -> BRDF:
+        if isinstance(factor, BRDF):
+            return NotImplemented
+        weight = parameters.number_or_rgb(self.name, "factor", factor, 0.0)
+        terms = (f"{parameters.text(weight)}*{term}" for term in self.name.split(" + "))
+        return Material(tuple(lobe.scaled(weight) for lobe in self.lobes), " + ".join(terms))
+
+    def __rmul__(self, factor: object) -> BRDF:
+        return self * factor
+
+    def __repr__(self) -> str:
+        lobes = ", ".join(
+            f"{type(lobe).__name__} about the {_CENTER_TEXT[lobe.center]}" for lobe in self.lobes
+        )
+        return f"<{type(self).__name__} {self.name}: {lobes}>"
+
+
+class Material(BRDF):
+    """A material given by its lobes: what sums, products and `recentred` return.
+
+    Parameters
+    ----------
+    lobes : sequence of Lobe
+        At least one.
+    name : str
+        A short text.
+    """
+
+    def __init__(self, lobes: tuple[Lobe, ...], name: str):
+        self._lobes = tuple(lobes)
+        self._name = name
+        if not self._lobes or not all(isinstance(lobe, Lobe) for lobe in self._lobes):
+            raise TypeError(f"Material: lobes must be one or more Lobe objects, got {lobes!r}")
+
+    @property
+    def lobes(self) -> tuple[Lobe, ...]:
+        """The lobes it was made of."""
+        return self._lobes
+
+    @property
+    def name(self) -> str:
+        """The name it was given."""
+        return self._name
+
+
+def unit_vectors(name: str, value: npt.ArrayLike) -> FloatArray:
+    """Return `value` as an (n, 3) float64 array of unit vectors.
+
+    Float32 vectors pass: lengths may differ from 1 by 1e-5.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is none, naming the argument, what it was and what it must be.
+    """
+    vectors = parameters.array("transfer", name, value)
+    if vectors.ndim != 2 or vectors.shape[1] != 3:
+        raise ValueError(f"{name} must have the shape (n, 3), got {vectors.shape}")
+    lengths = np.sqrt(np.einsum("nc,nc->n", vectors, vectors))
+    bad = np.flatnonzero(np.abs(lengths - 1.0) > 1e-5)
+    if len(bad):
+        raise ValueError(
+            f"{name} must be unit vectors, got {len(bad)} that are not, "
+            f"the first at {bad[0]} of length {lengths[bad[0]]:g}"
+        )
+    return vectors
+
+
+_CENTER_TEXT = {"lobe": "lobe centre", "reflection": "reflection", "normal": "normal", "tangent": "tangent"}
+
+
+def _require_center(lobe: Lobe, *centers: Center) -> None:
+    if lobe.center not in centers:
+        raise ValueError(
+            f"{type(lobe).__name__}: center must be one of {', '.join(centers)}, got {lobe.center!r}"
+        )
+
+
+def _times(values: FloatArray, factor: float | RGB) -> FloatArray:
+    if isinstance(factor, float):
+        return np.asarray(values * factor)
+    columns = values if values.ndim == 2 else values[:, None]
+    return np.asarray(columns * np.array(factor))
+
+
+def _sum_of_transfers(lobes: tuple[Lobe, ...], wi: FloatArray, wo: FloatArray) -> FloatArray:
+    parts = [lobe.transfer(wi, wo) for lobe in lobes]
+    if any(part.ndim == 2 for part in parts):
+        parts = [part if part.ndim == 2 else part[:, None] for part in parts]
+    return np.asarray(sum(parts[1:], start=parts[0]))

@@ -1,0 +1,140 @@
+"""Materials from text, as the command line takes them.
+
+    material  = term { "+" term }
+    term      = { factor "*" } name [ ":" arguments | "(" arguments ")" ]
+    arguments = value | key "=" value, separated by commas; positions as in the class
+    factor, value = a number, or three separated by slashes for R, G, B: 1/0.8/0.3
+
+    microfacet:0.2
+    ggx:alpha=0.1,f0=1.0/0.8/0.3
+    0.5*lambert:0.8 + ggx:0.2
+    lafortune:skin.json#skin          material "skin" of a file of coefficients
+
+The name of every analytic material, such as "ggx(alpha=0.1)", is such a text. (A file whose path
+contains "+" or "*" cannot be written here: use `Lafortune.read`.)
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Mapping
+
+from shrm.brdf.banks import Banks
+from shrm.brdf.beckmann import Beckmann
+from shrm.brdf.ggx import GGX
+from shrm.brdf.kajiya_kay import KajiyaKay
+from shrm.brdf.lafortune import Lafortune
+from shrm.brdf.lambert import Lambert
+from shrm.brdf.lobe import BRDF
+from shrm.brdf.microfacet import Microfacet
+from shrm.brdf.parameters import RGB
+from shrm.brdf.phong import Phong
+
+MODELS: Mapping[str, type[BRDF]] = {
+    "lambert": Lambert,
+    "phong": Phong,
+    "microfacet": Microfacet,
+    "ggx": GGX,
+    "beckmann": Beckmann,
+    "lafortune": Lafortune,
+    "kajiya-kay": KajiyaKay,
+    "banks": Banks,
+}
+
+_TERM = re.compile(r"(?P<name>[A-Za-z][\w-]*)\s*(?::(?P<after>.*)|\((?P<within>.*)\))?", re.DOTALL)
+_PLUS = re.compile(r"(?<![\d.][eE])\+")  # not the plus of 1e+3
+
+
+def parse(text: str) -> BRDF:
+    """Make a material from text such as "0.5*lambert:0.8 + ggx:alpha=0.1,f0=0.04".
+
+    Raises
+    ------
+    TypeError
+        If `text` is not a string.
+    ValueError
+        If it names no known model, or arguments that the model does not take or that are out of
+        range; the text lists the known ones.
+    OSError
+        If it names a file that cannot be read.
+    """
+    if not isinstance(text, str):
+        raise TypeError(f"a material's text must be a string, got {text!r}")
+    first, *others = (_term(term.strip(), text) for term in _PLUS.split(text))
+    return sum(others, start=first)
+
+
+def _term(term: str, text: str) -> BRDF:
+    *factors, rest = (part.strip() for part in term.split("*"))
+    match = _TERM.fullmatch(rest)
+    if match is None:
+        raise ValueError(
+            f"{text!r}: expected a material such as ggx:0.1 at {rest!r}; known are {', '.join(MODELS)}"
+        )
+    name = match["name"].lower()
+    if name not in MODELS:
+        raise ValueError(f"{text!r}: no material {match['name']!r}; known are {', '.join(MODELS)}")
+    arguments = (match["after"] or match["within"] or "").strip()
+    material = _lafortune(arguments) if name == "lafortune" else _model(name, arguments)
+    for factor in reversed(factors):
+        weight = _number_or_rgb(factor)
+        if weight is None:
+            raise ValueError(f"{text!r}: a factor must be a number or R/G/B, got {factor!r}")
+        material = weight * material
+    return material
+
+
+def _model(name: str, arguments: str) -> BRDF:
+    """A material whose arguments are its class's parameters."""
+    fields = dataclasses.fields(MODELS[name])  # type: ignore[arg-type]
+    names = [field.name for field in fields]
+    values: dict[str, float | RGB | str] = {}
+    for position, argument in enumerate(arguments.split(",") if arguments else []):
+        key, equals, value = (part.strip() for part in argument.partition("="))
+        if not equals:
+            if position >= len(names):
+                raise ValueError(f"{name}: too many arguments, it takes {_signature(name)}")
+            key, value = names[position], key
+        if key not in names:
+            raise ValueError(f"{name}: no parameter {key!r}, it takes {_signature(name)}")
+        if key in values:
+            raise ValueError(f"{name}: {key} is given twice")
+        number = _number_or_rgb(value)
+        values[key] = value if number is None else number
+    missing = [
+        field.name for field in fields if field.default is dataclasses.MISSING and field.name not in values
+    ]
+    if missing:
+        raise ValueError(f"{name}: {', '.join(missing)} is missing, it takes {_signature(name)}")
+    try:
+        return MODELS[name](**values)
+    except TypeError as error:  # of the wrong kind, such as alpha=shiny
+        raise ValueError(str(error)) from None
+
+
+def _lafortune(arguments: str) -> BRDF:
+    path, hash_sign, material = arguments.rpartition("#")
+    if not (hash_sign and path and material):
+        raise ValueError(f"lafortune: needs a file and a material in it, FILE#NAME, got {arguments!r}")
+    return Lafortune.read(path, material)
+
+
+def _number_or_rgb(text: str) -> float | RGB | None:
+    """A number, three separated by slashes, or None if the text is neither."""
+    parts = text.split("/")
+    try:
+        numbers = [float(part) for part in parts]
+    except ValueError:
+        return None
+    if len(numbers) == 1:
+        return numbers[0]
+    return (numbers[0], numbers[1], numbers[2]) if len(numbers) == 3 else None
+
+
+def _signature(name: str) -> str:
+    """The parameters of a model as text: 'alpha, f0=1'."""
+    return ", ".join(
+        field.name if field.default is dataclasses.MISSING else f"{field.name}={field.default}"
+        for field in dataclasses.fields(MODELS[name])  # type: ignore[arg-type]
+    )
