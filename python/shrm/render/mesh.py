@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from .camera import FloatArray, Vector
-from .shapes import Hits
+from shrm.render.camera import FloatArray, Vector
+from shrm.render.shapes import Hits
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,12 +80,24 @@ class Mesh:
         except Exception as fault:  # trimesh's loaders raise whatever a broken file makes them raise
             raise ValueError(f"{path}: not a mesh that can be read ({_one_line(fault)})") from None
 
-    def placed(self, center: Vector = (0.0, 0.0, 0.0), radius: float = 1.0) -> Mesh:
-        """Return the mesh, moved and scaled so that its bounding box's sphere is this one."""
-        low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
-        size = 0.5 * float(np.linalg.norm(high - low)) or 1.0
-        vertices = np.asarray(center) + (self.vertices - 0.5 * (low + high)) * (radius / size)
-        return Mesh(vertices, self.faces, self.normals, self.uv)
+    def placed(self, center: Vector = (0.0, 0.0, 0.0), radius: float = 1.0, turn: float = 0.0) -> Mesh:
+        """Return the mesh turned about the vertical, then moved and scaled into a cube.
+
+        Parameters
+        ----------
+        center : 3 floats
+        radius : float
+            Half the cube's side, which the longest side of the mesh's bounding box fills.
+        turn : float
+            Degrees from +x towards +y.
+        """
+        c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+        rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        turned = self.vertices @ rotation.T
+        low, high = turned.min(axis=0), turned.max(axis=0)
+        scale = 2.0 * radius / (float((high - low).max()) or 1.0)
+        normals = None if self.normals is None else self.normals @ rotation.T
+        return Mesh(np.asarray(center) + (turned - 0.5 * (low + high)) * scale, self.faces, normals, self.uv)
 
     @cached_property
     def vertex_normals(self) -> FloatArray:

@@ -9,9 +9,9 @@ from typing import Literal, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from .camera import Camera, FloatArray, Vector
-from .lookup import environment_lookup, texture_lookup
-from .shapes import Shape
+from shrm.render.camera import Camera, FloatArray, Vector
+from shrm.render.lookup import environment_lookup, texture_lookup
+from shrm.render.shapes import Shape
 
 FloatPixels = npt.NDArray[np.float32]
 

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .camera import FloatArray, Vector
+from shrm.render.camera import FloatArray, Vector
 
 
 @dataclass(frozen=True, eq=False)
