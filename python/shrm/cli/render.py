@@ -7,14 +7,18 @@ encoded by the sRGB curve; an .exr is linear. There are no shadows and no interr
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
+from shrm.cli.console import progress
 from shrm.cli.options import (
     add_environment,
     add_orders,
     degrees,
     extent,
     number,
+    parse_brdf,
     picture_file,
+    read_environment,
     view,
     whole,
 )
