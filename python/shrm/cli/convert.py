@@ -16,7 +16,7 @@ EXAMPLE = "shrm convert probe.hdr --layout vertical-cross -o cross.exr"
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    add_environment(command, "env", layout_flags=("--env-layout",))
+    add_environment(command, layout_flags=("--env-layout",))
     command.add_argument(
         "--layout", choices=LAYOUTS, default="latlong", metavar="L", help="layout to write (default latlong)"
     )

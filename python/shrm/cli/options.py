@@ -25,14 +25,19 @@ LAYOUTS = (
 )
 
 
-def add_environment(command: argparse.ArgumentParser, *names: str, layout_flags: tuple[str, ...]) -> None:
-    """Add the environment (positional `env` or a flag) and how it is read."""
-    command.add_argument(
-        *names,
-        metavar="ENV",
-        default=argparse.SUPPRESS if not names[0].startswith("-") else "daylight",
-        help="environment map (.hdr, .exr, .png, ...), or 'daylight'",
-    )
+def add_environment(
+    command: argparse.ArgumentParser,
+    *,
+    flag: bool = False,
+    optional: bool = False,
+    layout_flags: tuple[str, ...],
+) -> None:
+    """Add the environment, as an argument of its own or as --env, and how it is read."""
+    what = "environment map (.hdr, .exr, .png, ...), or 'daylight'"
+    if flag:
+        command.add_argument("--env", metavar="ENV", default="daylight", help=f"{what} (default)")
+    else:
+        command.add_argument("env", metavar="ENV", nargs="?" if optional else None, help=what)
     command.add_argument(
         *layout_flags,
         dest="env_layout",

@@ -16,7 +16,7 @@ EXAMPLE = "shrm prefilter grace.hdr --brdf ggx:alpha=0.2,f0=0.04 --tolerance 0.0
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    add_environment(command, "env", layout_flags=("--env-layout",))
+    add_environment(command, layout_flags=("--env-layout",))
     command.add_argument("--brdf", required=True, metavar="B", help="material, such as microfacet:0.2")
     add_orders(command)
     command.add_argument("--size", type=whole, metavar="N", help="rows of the map (default: from the orders)")

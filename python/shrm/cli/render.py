@@ -34,7 +34,7 @@ EXAMPLE = "shrm render --env grace.hdr --brdf lambert:0.8 --brdf ggx:0.1 --mesh 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     add = command.add_argument
-    add_environment(command, "--env", layout_flags=("--layout", "--env-layout"))
+    add_environment(command, flag=True, layout_flags=("--layout", "--env-layout"))
     add("--brdf", action="append", required=True, metavar="B", help="material; repeat for a row of objects")
     add_orders(command)
     add("--method", choices=("shrm", "angular"), default="shrm", help="how to prefilter (default shrm)")
