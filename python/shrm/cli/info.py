@@ -67,7 +67,7 @@ def environment_lines(env: Environment) -> list[str]:
     ]
     if total > 0.0:
         shares = [
-            f"{captured[F] / total:.1%} to {F}" for F in (0, 1, 2, 4, 8, 16, 30, 60) if F < len(captured)
+            f"{captured[F] / total:.1%} to {F}" for F in (0, 1, 2, 4, 8, 16, 30, 60) if len(captured) > F
         ]
         lines.append("  energy         " + ", ".join(shares) + "  (degrees)")
     return lines
