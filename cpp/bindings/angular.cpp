@@ -1,7 +1,148 @@
+#include "shrm/angular.hpp"
+
+#include <vector>
+
 #include "ndarray.hpp"
 
 namespace shrm::bindings {
+namespace {
 
-void bind_angular(py::module_&) {}
+template <class T>
+std::span<const T> view(const Array<T>& array) {
+    return {array.data(), static_cast<std::size_t>(array.size())};
+}
+
+std::vector<glm::dvec3> directions(const Array<double>& array, const char* name) {
+    require_shape(array, name, {any, 3});
+    const auto a = array.unchecked<2>();
+    std::vector<glm::dvec3> result(static_cast<std::size_t>(a.shape(0)));
+    for (py::ssize_t k = 0; k < a.shape(0); ++k)
+        result[static_cast<std::size_t>(k)] = {a(k, 0), a(k, 1), a(k, 2)};
+    return result;
+}
+
+angular::Picture picture_of(const Array<float>& planes, int subsamples) {
+    require_shape(planes, "planes", {3, any, any});
+    const int H = extent(planes, 1), W = (extent(planes, 2) - angular::lanes) / 2;
+    if (W < 1 || extent(planes, 2) != angular::row_length(W))
+        throw py::value_error("planes has rows of " + std::to_string(extent(planes, 2)) +
+                              " values, but needs 2 W + " + std::to_string(angular::lanes));
+    if (H < 1 || subsamples < 1) throw py::value_error("planes must have rows and subsamples be at least 1");
+    return {view(planes), H, W, subsamples};
+}
+
+void require_channels(int channels) {
+    if (channels != 1 && channels != 3)
+        throw py::value_error("a table has 1 or 3 channels, not " + std::to_string(channels));
+}
+
+angular::RadialProfile profile_of(const Array<float>& profile) {
+    require_shape(profile, "profile", {any, any});
+    require_channels(extent(profile, 0));
+    if (extent(profile, 1) < 3) throw py::value_error("profile needs at least 3 nodes");
+    return {view(profile), extent(profile, 0), extent(profile, 1) - 2};
+}
+
+Array<float> radial(const Array<float>& planes, int subsamples, const Array<float>& profile, double outer,
+                    const Array<double>& centres) {
+    const auto picture = picture_of(planes, subsamples);
+    const auto table = profile_of(profile);
+    const auto axes = directions(centres, "centres");
+    Array<float> out = allocate<float>({centres.shape(0), 3});
+    const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
+    {
+        const py::gil_scoped_release release;
+        angular::integrate_radial(picture, table, {0, outer}, axes, result);
+    }
+    return out;
+}
+
+Array<float> radial_map(const Array<float>& planes, int subsamples, const Array<float>& profile, double outer,
+                        int height, int width) {
+    const auto picture = picture_of(planes, subsamples);
+    const auto table = profile_of(profile);
+    if (height < 1 || width < 1) throw py::value_error("a map needs at least one row and one column");
+    Array<float> out = allocate<float>({height, width, 3});
+    const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
+    {
+        const py::gil_scoped_release release;
+        angular::integrate_radial_map(picture, table, outer, height, width, result);
+    }
+    return out;
+}
+
+Array<float> zonal(const Array<float>& planes, int subsamples, const Array<float>& profiles,
+                   const Array<double>& bands, const Array<double>& axes, const Array<double>& theta_o) {
+    const auto picture = picture_of(planes, subsamples);
+    require_shape(profiles, "profiles", {any, any, any});
+    require_shape(bands, "bands", {profiles.shape(0), 2});
+    require_channels(extent(profiles, 1));
+    if (extent(profiles, 0) < 2 || extent(profiles, 2) < 3)
+        throw py::value_error("profiles needs at least 2 rows and 3 nodes");
+    const auto centres = directions(axes, "axes");
+    require_shape(theta_o, "theta_o", {axes.shape(0)});
+    std::vector<angular::Band> ranges;
+    for (py::ssize_t k = 0; k < bands.shape(0); ++k) ranges.push_back({bands.at(k, 0), bands.at(k, 1)});
+    const angular::ZonalProfiles table = {view(profiles), ranges, extent(profiles, 0), extent(profiles, 1),
+                                          extent(profiles, 2) - 2};
+    Array<float> out = allocate<float>({axes.shape(0), 3});
+    const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
+    {
+        const py::gil_scoped_release release;
+        angular::integrate_zonal(picture, table, centres, view(theta_o), result);
+    }
+    return out;
+}
+
+Array<float> isotropic(const Array<float>& planes, int subsamples, const Array<float>& envelope,
+                       const Array<float>& ratio, const Array<double>& caps, double horizon,
+                       const Array<double>& normals, const Array<double>& views) {
+    const auto picture = picture_of(planes, subsamples);
+    require_shape(envelope, "envelope", {any});
+    require_shape(ratio, "ratio", {any, any, any, any});
+    require_channels(extent(ratio, 1));
+    require_shape(caps, "caps", {ratio.shape(0), 2});
+    if (extent(envelope, 0) < 3 || extent(ratio, 0) < 2 || extent(ratio, 2) < 3 || extent(ratio, 3) < 3)
+        throw py::value_error("envelope and ratio need at least one interval along each axis");
+    if (horizon != 0 && horizon != -1) throw py::value_error("horizon must be 0 or -1");
+    const auto n = directions(normals, "normals"), v = directions(views, "views");
+    require_shape(views, "views", {normals.shape(0), 3});
+    std::vector<angular::IsotropicTable::Cap> ranges;
+    for (py::ssize_t k = 0; k < caps.shape(0); ++k) ranges.push_back({caps.at(k, 0), caps.at(k, 1)});
+    const angular::IsotropicTable table = {view(envelope),
+                                           view(ratio),
+                                           ranges,
+                                           extent(ratio, 1),
+                                           extent(envelope, 0) - 2,
+                                           extent(ratio, 0) - 1,
+                                           extent(ratio, 2) - 2,
+                                           extent(ratio, 3) - 2,
+                                           horizon};
+    Array<float> out = allocate<float>({normals.shape(0), 3});
+    const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
+    {
+        const py::gil_scoped_release release;
+        angular::integrate_isotropic(picture, table, n, v, result);
+    }
+    return out;
+}
+
+}  // namespace
+
+void bind_angular(py::module_& module) {
+    module.attr("ANGULAR_LANES") = angular::lanes;
+    module.def("angular_radial", radial, py::kw_only(), py::arg("planes").noconvert(), py::arg("subsamples"),
+               py::arg("profile").noconvert(), py::arg("outer"), py::arg("centres").noconvert());
+    module.def("angular_radial_map", radial_map, py::kw_only(), py::arg("planes").noconvert(),
+               py::arg("subsamples"), py::arg("profile").noconvert(), py::arg("outer"), py::arg("height"),
+               py::arg("width"));
+    module.def("angular_zonal", zonal, py::kw_only(), py::arg("planes").noconvert(), py::arg("subsamples"),
+               py::arg("profiles").noconvert(), py::arg("bands").noconvert(), py::arg("axes").noconvert(),
+               py::arg("theta_o").noconvert());
+    module.def("angular_isotropic", isotropic, py::kw_only(), py::arg("planes").noconvert(),
+               py::arg("subsamples"), py::arg("envelope").noconvert(), py::arg("ratio").noconvert(),
+               py::arg("caps").noconvert(), py::arg("horizon"), py::arg("normals").noconvert(),
+               py::arg("views").noconvert());
+}
 
 }  // namespace shrm::bindings

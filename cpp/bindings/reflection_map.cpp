@@ -2,6 +2,7 @@
 
 #include "ndarray.hpp"
 #include "shrm/core.hpp"
+#include "shrm/radiance.hpp"
 
 namespace shrm::bindings {
 namespace {
@@ -52,6 +53,70 @@ Array<double> global_coefficients(const Array<double>& light, const Array<double
     return coefficients;
 }
 
+ReflectionMapView require_map(const Array<float>& rings, bool cube, bool zonal) {
+    require_shape(rings, "rings", {any, any, 3, any});
+    const int H = extent(rings, 0), W = extent(rings, 3), maps = extent(rings, 1);
+    const int P = zonal ? maps - 1 : static_cast<int>(std::lround(std::sqrt(maps))) - 1;
+    const ReflectionMapView map{cube ? MapLayout::cube : MapLayout::latlong, H, W, P, zonal, view(rings)};
+    if (P < 0 || map.maps() != maps)
+        throw py::value_error("rings has " + std::to_string(maps) + " maps, but needs (P+1)^2, or P+1 if zonal");
+    if (cube ? W <= 2 * cube_border || H != 6 * W : H < 2 || W < 4 || W % 2 != 0)
+        throw py::value_error("rings has " + std::to_string(H) + " rows of " + std::to_string(W) +
+                              " texels, which is no reflection map");
+    return map;
+}
+
+Centre centre_of(const std::string& name) {
+    if (name == "reflection") return Centre::reflection;
+    if (name == "normal") return Centre::normal;
+    if (name == "tangent") return Centre::tangent;
+    if (name == "lobe") return Centre::lobe;
+    throw py::value_error("unknown centre " + name);
+}
+
+void add_radiance(const Array<float>& rings, bool cube, bool zonal, const std::string& centre,
+                  const Array<double>& gamma, const Array<double>& axes, const Array<double>& views, bool bilinear,
+                  Array<float>& radiance) {
+    const ReflectionMapView map = require_map(rings, cube, zonal);
+    const Centre about = centre_of(centre);
+    require_shape(gamma, "gamma", {any});
+    if (about == Centre::lobe && gamma.shape(0) < 2) throw py::value_error("gamma needs two entries or more");
+    require_shape(axes, "axes", {any, 3});
+    require_shape(views, "views", {views.ndim() == 2 && views.shape(0) == 1 ? 1 : axes.shape(0), 3});
+    require_shape(radiance, "radiance", {axes.shape(0), 3});
+    const auto table = view(gamma);
+    const auto N = vectors(axes), V = vectors(views);
+    const auto out = view(radiance);
+    const py::gil_scoped_release release;
+    shrm::add_radiance(map, about, table, N, V, bilinear, out);
+}
+
+Array<float> view_map(const Array<float>& rings, bool cube, bool zonal, const Array<double>& direction) {
+    const ReflectionMapView map = require_map(rings, cube, zonal);
+    require_shape(direction, "direction", {1, 3});
+    auto pixels = allocate<float>({map.H, map.W, 3});
+    const auto V = vectors(direction);
+    const auto out = view(pixels);
+    const py::gil_scoped_release release;
+    shrm::view_map(map, V[0], out);
+    return pixels;
+}
+
+Array<double> cube_directions(int N) {
+    require_positive("N", N);
+    const int padded = N + 2 * cube_border;
+    auto directions = allocate<double>({6 * padded, padded, 3});
+    double* out = directions.mutable_data();
+    for (int row = 0; row < 6 * padded; ++row)
+        for (int column = 0; column < padded; ++column) {
+            const auto centred = [N](int i) { return (2 * (i - cube_border) + 1.0) / N - 1; };
+            const glm::dvec3 d = cube_direction(row / padded, centred(column), centred(row % padded));
+            const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+            for (int c = 0; c < 3; ++c) *out++ = d[c] / length;
+        }
+    return directions;
+}
+
 }  // namespace
 
 void bind_reflection_map(py::module_& module) {
@@ -60,6 +125,13 @@ void bind_reflection_map(py::module_& module) {
                "H"_a, "W"_a);
     module.def("global_from_local", &global_from_local, py::kw_only(), "local"_a.noconvert());
     module.def("global_coefficients", &global_coefficients, py::kw_only(), "light"_a.noconvert(), "rho"_a.noconvert());
+    module.def("add_radiance", &add_radiance, py::kw_only(), "rings"_a.noconvert(), "cube"_a, "zonal"_a, "centre"_a,
+               "gamma"_a.noconvert(), "axes"_a.noconvert(), "views"_a.noconvert(), "bilinear"_a,
+               "radiance"_a.noconvert());
+    module.def("view_map", &view_map, py::kw_only(), "rings"_a.noconvert(), "cube"_a, "zonal"_a,
+               "direction"_a.noconvert());
+    module.def("cube_directions", &cube_directions, py::kw_only(), "N"_a);
+    module.attr("CUBE_BORDER") = cube_border;
 }
 
 }  // namespace shrm::bindings

@@ -34,6 +34,7 @@ import numpy.typing as npt
 from shrm.brdf import BRDF
 from shrm.brdf_analysis import LobeAnalysis, analyse
 from shrm.environment import Environment
+from shrm.validation import fraction, one_of, whole_number
 
 FloatArray = npt.NDArray[np.float64]
 Criterion = Literal["light", "brdf", "minimum", "bound"]
@@ -150,10 +151,8 @@ def choose(
     ValueError
         If an argument is out of its range.
     """
-    if not 0 < tolerance < 1:
-        raise ValueError(f"tolerance must be between 0 and 1, got {tolerance!r}")
-    if criterion not in get_args(Criterion):
-        raise ValueError(f"criterion must be one of {', '.join(get_args(Criterion))}, got {criterion!r}")
+    require_tolerance(tolerance)
+    one_of("criterion", criterion, get_args(Criterion))
     require_orders(F_max, P_max, names=("F_max", "P_max"))
     if criterion != "light" and len(brdf.lobes) > 1:
         raise ValueError(
@@ -161,7 +160,7 @@ def choose(
             "use criterion='light', or brdf.recentred('reflection', merge=True)"
         )
     found = None
-    for L in [*(L for L in _ENLARGEMENTS if L < F_max), F_max]:
+    for L in degrees_tried(F_max):
         lobes = analysed(brdf, L, P_max)
         power = LightPower.natural(L) if env is None else LightPower.of(env, L)
         found = _choose_at(lobes, power, tolerance, criterion, P_max)
@@ -176,6 +175,16 @@ def choose(
         stacklevel=2,
     )
     return found
+
+
+def degrees_tried(F_max: int) -> list[int]:
+    """Return the largest degrees that are analysed, one after the other, until the tolerance is met."""
+    return [*(L for L in _ENLARGEMENTS if L < F_max), F_max]
+
+
+def analysis_degree(F: int, F_max: int) -> int:
+    """Return the smallest of `degrees_tried` that holds F."""
+    return next(L for L in degrees_tried(F_max) if L >= F)
 
 
 def error_of(
@@ -212,11 +221,15 @@ def error_of(
 
 def require_orders(F: int, P: int, names: tuple[str, str] = ("F", "P")) -> None:
     """Raise TypeError or ValueError unless F and P are whole numbers, 0 <= F <= 1000 and 0 <= P <= 24."""
-    for name, value, most in ((names[0], F, 1000), (names[1], P, 24)):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer):
-            raise TypeError(f"{name} must be a whole number, got {value!r}")
-        if not 0 <= value <= most:
-            raise ValueError(f"{name} must be between 0 and {most}, got {value}")
+    whole_number(names[0], F, 0, 1000)
+    whole_number(names[1], P, 0, 24)
+
+
+def require_tolerance(tolerance: float) -> float:
+    """Return an error that can be asked for: a number above 0 and below 1."""
+    if fraction("tolerance", tolerance) == 0:
+        raise ValueError(f"tolerance must be above 0 and below 1, not {tolerance!r}")
+    return float(tolerance)
 
 
 def degree_power(coefficients: FloatArray) -> FloatArray:
@@ -243,8 +256,9 @@ class _Measure:
         # Degrees and azimuths not analysed, by Parseval.
         self.unresolved = np.maximum(lobe.energy - self.degree_energy.sum(axis=0), 0.0)
         self.power = power
-        two_l = 2 * np.arange(L + 1)[:, None] + 1
-        self.light = np.ones((1, 1)) if criterion == "brdf" else power.degrees / two_l  # Lambda_l^2 |L_l|^2 / 4 pi
+        # Lambda_l^2 |L_l|^2 / 4 pi; the brdf criterion weighs all degrees alike
+        flat = criterion == "brdf"
+        self.light = np.ones((L + 1, 1)) if flat else power.degrees / (2 * np.arange(L + 1)[:, None] + 1)
         # They meet light as strong as the strongest of the upper half of the degrees.
         self.tail = self.light[L // 2 :].max(axis=0)
         self.total = float((self.light * self.degree_energy).sum() + (self.tail * self.unresolved).sum())
@@ -258,8 +272,7 @@ class _Measure:
         kept = self.lobe.captured(P)[: F + 1]
         if window is not None:  # a degree kept with weight w errs by (1 - w)^2
             kept = kept * (1 - (1 - window[: F + 1, None]) ** 2)
-        light = self.light if len(self.light) == 1 else self.light[: F + 1]
-        return max(self.total - float((light * kept).sum()), 0.0)
+        return max(self.total - float((self.light[: F + 1] * kept).sum()), 0.0)
 
     def _light_residual(self, F: int) -> float:
         above = self.power.degrees[F + 1 :].sum() + self.power.rest.sum()

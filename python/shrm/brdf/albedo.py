@@ -9,7 +9,7 @@ one.)
 Each lobe is integrated in polar coordinates about its own axis, with Gauss-Legendre panels that
 shrink geometrically towards the places where lobes peak and break at the places where they end:
 
-    radial      about C: one integral over theta_i, panels halving towards 0, a break at pi/2
+    radial      about C: one integral over theta_i, panels halving towards 0 and pi/2
     zonal       about T: one integral over theta_i, panels halving towards theta_o and pi - theta_o
     isotropic   about R: panels halve towards theta = 0; the range of phi at each theta is the
                 part above the horizon, known in closed form, with panels halving towards its ends
@@ -98,7 +98,9 @@ def _integral_of(lobe: Lobe) -> Callable[[Lobe, float, int], FloatArray]:
 
 def _radial(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
     assert isinstance(lobe, RadialLobe)
-    theta, weight = _gauss(_halving(0.0, np.pi), nodes)
+    right = np.pi / 2  # where a profile in cos(theta_i) ends, as a power of it
+    edges = [_halving(0.0, right), right - _halving(0.0, right), right + _halving(0.0, right)]
+    theta, weight = _gauss(np.unique(np.concatenate(edges).clip(0.0, np.pi)), nodes)
     return _weighted(2.0 * np.pi * np.sin(theta) * weight, lobe.profile(np.cos(theta)))
 
 

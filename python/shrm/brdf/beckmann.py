@@ -72,15 +72,14 @@ class Beckmann(BRDF):
 
     def _g1_over_cosine(self, w: FloatArray) -> FloatArray:
         """G1(w) / N.w with a = N.w / (alpha sin): finite (2 sqrt(pi) / alpha) as w grazes the surface."""
-        cosine = np.maximum(w[:, 2], 0.0)
+        cosine = np.abs(w[:, 2])  # below the horizon the result is not used
         alpha_sin = self.alpha * np.hypot(w[:, 0], w[:, 1])
         # Beyond a = 6, erf(a) is 1 and exp(-a^2) is 0 in float64.
         masked = cosine < 6.0 * alpha_sin
         a = cosine[masked] / alpha_sin[masked]
-        erf = np.fromiter(map(math.erf, a), np.float64, a.size)
+        erf = np.fromiter(map(math.erf, a.tolist()), np.float64, a.size)
         denominator = 2.0 * cosine
         denominator[masked] = cosine[masked] * (1.0 + erf) + alpha_sin[masked] * np.exp(-(a**2)) / math.sqrt(
             np.pi
         )
-        # Zero only below the horizon, where the product with N.L or the test of N.V makes it 0.
-        return np.divide(2.0, denominator, out=np.zeros_like(denominator), where=denominator > 0.0)
+        return np.asarray(2.0 / denominator)

@@ -69,6 +69,6 @@ class GGX(BRDF):
 
     def _g1_over_cosine(self, w: FloatArray) -> FloatArray:
         """G1(w) / N.w, which stays finite (2 / alpha) as w grazes the surface."""
-        cosine = np.maximum(w[:, 2], 0.0)
+        cosine = np.abs(w[:, 2])  # below the horizon the result is not used
         sin2 = w[:, 0] ** 2 + w[:, 1] ** 2
         return 2.0 / (cosine + np.sqrt(cosine**2 + self.alpha * self.alpha * sin2))

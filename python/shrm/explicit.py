@@ -1,0 +1,175 @@
+"""Conversions between reflection maps and the explicit sets of maps of earlier methods [RH02 appendix C].
+
+Both ways: from a SHRM to Cabral's twelve icosahedral maps, to Kautz and McCool's three-dimensional texture and to
+an explicit set for a grid of views; and from any explicit set of maps to a SHRM, by fitting its coefficients.
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+[CON99] B. Cabral, M. Olano, P. Nemec. Reflection Space Image Based Rendering. SIGGRAPH 1999.
+[KM00] J. Kautz, M. McCool. Approximation of Glossy Reflection with Prefiltered Environment Maps. Graphics
+    Interface 2000.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import sh
+from shrm.brdf.lobe import Center
+from shrm.brdf_analysis import gamma_table
+from shrm.reflection_map import Part, ReflectionMap
+from shrm.validation import one_of, real_array, unit_vectors, whole_number
+
+FloatArray = npt.NDArray[np.float64]
+Float32Array = npt.NDArray[np.float32]
+
+
+def icosahedron() -> FloatArray:
+    """Return the twelve vertices of an icosahedron on the unit sphere, two of them at +z and -z; (12, 3)."""
+    phi = np.pi / 5 * np.arange(10)
+    z = np.where(np.arange(10) % 2 == 0, 1, -1) / np.sqrt(5)
+    ring = np.stack([np.sqrt(0.8) * np.cos(phi), np.sqrt(0.8) * np.sin(phi), z], axis=1)
+    return np.concatenate([[[0, 0, 1.0]], ring, [[0, 0, -1.0]]])
+
+
+def grid_views(T: int) -> FloatArray:
+    """Return T x T views in the lat-long convention of environments: (T, T, 3) unit vectors."""
+    whole_number("T", T, 1, 256)
+    theta = (np.arange(T) + 0.5) * np.pi / T
+    phi = np.pi - 2 * np.pi * (np.arange(T) + 0.5) / T
+    sine = np.sin(theta)[:, None]
+    return np.stack(
+        [sine * np.cos(phi), sine * np.sin(phi), np.broadcast_to(np.cos(theta)[:, None], (T, T))], axis=-1
+    )
+
+
+def maps_at_views(rm: ReflectionMap, views: npt.ArrayLike) -> Float32Array:
+    """Return an explicit set: one reflection map for each view [RH02 eq. 12].
+
+    Parameters
+    ----------
+    rm : ReflectionMap
+        Of a material with one centre.
+    views : (n, 3) array_like
+        Unit vectors towards the eye, world frame.
+
+    Returns
+    -------
+    (n, H, W, 3) float32, or (n, 6, N, N, 3) for cubes
+    """
+    maps = [rm.at_view(view) for view in unit_vectors("views", views)]
+    if any(isinstance(pixels, dict) for pixels in maps):
+        raise ValueError(f"{rm.brdf} has lobes about several centres: an explicit set has one")
+    return np.stack([pixels for pixels in maps if not isinstance(pixels, dict)])
+
+
+def icosahedral_maps(rm: ReflectionMap) -> Float32Array:
+    """Return Cabral's twelve maps [CON99]: the views are the vertices of `icosahedron`."""
+    return maps_at_views(rm, icosahedron())
+
+
+def reflection_maps(rm: ReflectionMap, T: int) -> Float32Array:
+    """Return an explicit T x T set of reflection maps, for the views of `grid_views`: (T, T, H, W, 3) float32."""
+    maps = maps_at_views(rm, grid_views(T).reshape(-1, 3))
+    return maps.reshape(T, T, *maps.shape[1:])
+
+
+def three_dimensional_texture(rm: ReflectionMap, T: int) -> Float32Array:
+    """Return Kautz and McCool's texture [KM00]: radiance over (theta_o, alpha, beta), no azimuth.
+
+    B(alpha, beta, theta_o) = sum_p B_p0(alpha, beta) Y_p0(theta_o), with B_p0 of the local form
+    [RH02 appendix C].
+
+    Parameters
+    ----------
+    rm : ReflectionMap
+        Of a material of one lobe.
+    T : int
+        Layers, at theta_o = (t + 1/2) pi / T.
+
+    Returns
+    -------
+    (T, H, W, 3) float32, or (T, 6, N, N, 3) for cubes
+    """
+    whole_number("T", T, 1, 4096)
+    if len(rm.parts) != 1:
+        raise ValueError(f"{rm.brdf} has {len(rm.parts)} lobes: the texture holds one")
+    part = rm.parts[0]
+    zonal = part.maps if part.zonal else _azimuthal_mean(part)
+    theta_o = (np.arange(T) + 0.5) * np.pi / T
+    directions = np.stack([np.sin(theta_o), np.zeros(T), np.cos(theta_o)], axis=1)
+    identity = np.eye((part.P + 1) ** 2)
+    p = np.arange(part.P + 1)
+    Y = sh.evaluate(identity, directions)[:, p * (p + 1)]
+    return np.tensordot(Y, zonal, axes=(1, 0)).astype(np.float32)
+
+
+def fit(
+    maps: npt.ArrayLike, views: npt.ArrayLike, P: int, center: Center = "reflection", name: str = "explicit set"
+) -> ReflectionMap:
+    """Return the SHRM that fits an explicit set of reflection maps, by least squares over its views.
+
+    Parameters
+    ----------
+    maps : (n, H, 2 H, 3) array_like
+        Lat-long maps over the central direction, H even, one for each view.
+    views : (n, 3) array_like
+        Unit vectors towards the eye, world frame; at least (P+1)^2 that determine the fit.
+    P : int
+        Largest order of the view.
+    center : {"reflection", "normal", "tangent"}
+        The central direction by which the maps are looked up.
+    name : str
+        What the material is called.
+
+    Returns
+    -------
+    ReflectionMap
+        Its `error` is the relative RMS of the fit at the given views.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not fit, or the views do not determine the coefficients.
+    """
+    V = unit_vectors("views", views)
+    pixels = real_array("maps", maps)
+    one_of("center", center, ("reflection", "normal", "tangent"))
+    whole_number("P", P, 0, 24)
+    if pixels.ndim != 4 or len(pixels) != len(V) or pixels.shape[2] != 2 * pixels.shape[1] or pixels.shape[3] != 3:
+        raise ValueError(f"maps has the shape {pixels.shape}, but needs ({len(V)}, H, 2 H, 3)")
+    if pixels.shape[1] % 2:
+        raise ValueError(f"maps needs an even number of rows, got {pixels.shape[1]}")
+    Y = sh.evaluate(np.eye((P + 1) ** 2), V)
+    if np.linalg.matrix_rank(Y, rtol=1e-6) < (P + 1) ** 2:
+        raise ValueError(f"{len(V)} views do not determine the {(P + 1) ** 2} coefficients of P = {P}")
+    flat = pixels.reshape(len(V), -1)
+    coefficients = np.linalg.lstsq(Y, flat, rcond=None)[0]
+    energy = float((flat**2).sum())
+    error = float(np.sqrt(((Y @ coefficients - flat) ** 2).sum() / energy)) if energy > 0 else 0.0
+    rings = coefficients.reshape(-1, *pixels.shape[1:]).transpose(1, 0, 3, 2)
+    part = Part(
+        center=center,
+        gamma=gamma_table(center),
+        zonal=False,
+        layout="latlong",
+        light=np.zeros((0, 3)),
+        rho=np.zeros((0, P + 1, P + 1, 3)),
+        rings=np.ascontiguousarray(rings, dtype=np.float32),
+    )
+    return ReflectionMap((part,), name, "fit", None, False, lambda: error)
+
+
+def _azimuthal_mean(part: Part) -> FloatArray:
+    """B_p0 of the local form from the global maps: eq. 8 for s = 0, sqrt(4 pi / (2p+1)) sum_q B~_pq Y_pq(C)."""
+    maps = part.maps.astype(np.float64)
+    C = part.directions().reshape(-1, 3)
+    Y = sh.evaluate(np.eye(maps.shape[0]), C).T.reshape(maps.shape[:-1])
+    means = []
+    for p in range(part.P + 1):
+        rows = slice(p * p, (p + 1) * (p + 1))
+        means.append(np.sqrt(4 * np.pi / (2 * p + 1)) * (maps[rows] * Y[rows, ..., None]).sum(axis=0))
+    return np.stack(means)
+

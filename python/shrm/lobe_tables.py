@@ -1,0 +1,342 @@
+"""Tables of lobes for direct integration, and how wide a lobe is.
+
+The C++ integrator sees a BRDF only through these tables. Each is in coordinates in which the function is smooth:
+a radial profile over sin(theta/2); an isotropic lobe as E(theta_h) times a ratio on the box of
+(view, light, azimuth), whose edge is the horizon. Each knows its own interpolation error.
+
+The angular width of a lobe follows Ramamoorthi & Hanrahan, "Frequency Space Environment Map Rendering", ACM
+TOG 21(3), 2002 ([RH02]), appendix D: the integral of rho_hat, not of its square.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Profile = Callable[[Array], Array]
+Profile2D = Callable[[Array, Array], Array]
+Transfer = Callable[[Array, Array], Array]
+
+# Tables grow until their error is below this, or they are as large as a cache.
+WANTED_ERROR = 1e-5
+RADIAL_INTERVALS = (2048, 4096, 8192, 16384, 32768)
+ZONAL_ROWS, ZONAL_INTERVALS = 1025, 1024
+ENVELOPE_INTERVALS = 4096
+VIEW_INTERVALS, LIGHT_INTERVALS, AZIMUTH_INTERVALS = 128, 192, 64
+
+# Directions this far above the horizon stand for it: there a lobe cut at N.L = 0 still has its value.
+HORIZON = 1e-6
+
+
+def _channels_last(values: Array) -> Array:
+    """(n,) or (n, 3) as (n, 1) or (n, 3)."""
+    values = np.asarray(values, dtype=np.float64)
+    return values[:, None] if values.ndim == 1 else values
+
+
+def _padded(values: Array, axis: int) -> Array:
+    """Repeat the last node, so that a look-up at the very end may read one beyond it."""
+    last = np.take(values, [-1], axis=axis)
+    return np.concatenate([values, last], axis=axis)
+
+
+@dataclass(frozen=True)
+class RadialTable:
+    """u(theta) over s = sin(theta/2).
+
+    Attributes
+    ----------
+    values : (C, intervals + 2) float32
+        Node k at s = k / intervals, the last one repeated.
+    outer : float
+        Angle within which all but the tolerance of the integral of |u| lies, pi for tolerance 0.
+    width : float
+        Angle within which half of it lies.
+    error : float
+        Largest interpolation error over the largest value, measured between the nodes.
+    """
+
+    values: npt.NDArray[np.float32]
+    outer: float
+    width: float
+    error: float
+
+
+def radial_table(profile: Profile, tolerance: float) -> RadialTable:
+    """Tabulate a profile of cos(theta)."""
+    for intervals in RADIAL_INTERVALS:
+        s = np.arange(2 * intervals + 1) / (2 * intervals)
+        u = _channels_last(profile(1 - 2 * s**2))
+        between = np.abs(u[1::2] - 0.5 * (u[:-1:2] + u[2::2])).max()
+        largest = np.abs(u).max()
+        if between <= WANTED_ERROR * largest:
+            break
+    outer, width = (
+        np.pi if part == 0 else _angle_within(s, u, part) for part in (tolerance, 0.5)
+    )
+    values = _padded(u[::2].T, axis=1).astype(np.float32)
+    return RadialTable(values, outer, width, float(between / largest) if largest > 0 else 0.0)
+
+
+def _angle_within(s: Array, u: Array, left_out: float) -> float:
+    # sin(theta) d(theta) = 4 s ds
+    density = np.abs(u).sum(axis=1) * s
+    energy = np.concatenate([[0], np.cumsum(density[1:] + density[:-1])])
+    if energy[-1] == 0:
+        return float(np.pi)
+    k = np.searchsorted(energy, (1 - left_out) * energy[-1])
+    return float(2 * np.arcsin(s[min(k, len(s) - 1)]))
+
+
+@dataclass(frozen=True)
+class ZonalTable:
+    """u(theta_i, theta_o), angles from an axis.
+
+    Attributes
+    ----------
+    values : (rows, C, intervals + 2) float32
+        Rows at theta_o = k pi / (rows - 1); each as the values of a `RadialTable` in theta_i.
+    bands : (rows, 2) float64
+        Smallest and largest theta_i of the smallest band that holds all but the tolerance.
+    width : float
+        Half the width in angle of the narrowest band that holds half.
+    error : float
+        Relative root mean square interpolation error over both spheres.
+    """
+
+    values: npt.NDArray[np.float32]
+    bands: Array
+    width: float
+    error: float
+
+
+def zonal_table(profile: Profile2D, tolerance: float) -> ZonalTable:
+    """Tabulate a profile of theta_i, theta_o."""
+    s = np.arange(ZONAL_INTERVALS + 1) / ZONAL_INTERVALS
+    theta_i = 2 * np.arcsin(s)
+    theta_o = np.linspace(0, np.pi, ZONAL_ROWS)
+    grid_o, grid_i = np.meshgrid(theta_o, theta_i, indexing="ij")
+    u = _channels_last(profile(grid_i.ravel(), grid_o.ravel())).reshape(ZONAL_ROWS, len(s), -1)
+    bands = np.array([_smallest_band(s, row, tolerance) for row in u])
+    half = np.array([_smallest_band(s, row, 0.5) for row in u[:: ZONAL_ROWS // 16]])
+
+    def between(values: Array, axis: int) -> Array:
+        return 0.5 * (np.delete(values, -1, axis) + np.delete(values, 0, axis))
+
+    # In the middle of every 8 x 8th cell, the solid angles as weights.
+    mid_o, mid_s = between(theta_o, 0)[::8], between(s, 0)[::8]
+    go, gs = np.meshgrid(mid_o, mid_s, indexing="ij")
+    exact = _channels_last(profile(2 * np.arcsin(gs.ravel()), go.ravel()))
+    linear = between(between(u, 0), 1)[::8, ::8].reshape(exact.shape)
+    weight = (np.sin(go) * gs).ravel()[:, None]
+    error = _relative_rms(linear, exact, weight)
+    values = np.ascontiguousarray(_padded(u.transpose(0, 2, 1), axis=2).astype(np.float32))
+    return ZonalTable(values, bands, float(np.min(half[:, 1] - half[:, 0]) / 2), error)
+
+
+def _smallest_band(s: Array, u: Array, left_out: float) -> tuple[float, float]:
+    density = np.abs(u).sum(axis=1) * s
+    energy = np.concatenate([[0], np.cumsum(density[1:] + density[:-1])])
+    if left_out == 0 or energy[-1] == 0:
+        return 0.0, float(np.pi)
+    first = np.arange(np.searchsorted(energy, left_out * energy[-1], side="right"))
+    last = np.searchsorted(energy, energy[first] + (1 - left_out) * energy[-1] * (1 - 1e-12))
+    last = np.minimum(last, len(s) - 1)
+    k = int(np.argmin(s[last] ** 2 - s[first] ** 2))
+    inner = float(2 * np.arcsin(s[first[k]]))
+    return inner, float(2 * np.arcsin(s[last[k]]))
+
+
+@dataclass(frozen=True)
+class IsotropicTable:
+    """rho_hat(view, light) = E(theta_h) * ratio, exactly zero for N.L <= 0.
+
+    Attributes
+    ----------
+    envelope : (intervals + 2,) float32
+        E at tan(theta_h / 2) = k / intervals: the mean of the lobe at that half angle.
+    ratio : (views, C, lights + 2, azimuths + 2) float32
+        Uniform in sqrt(1 - cos) of the view's and of the light's angle to the normal and in
+        (1 - x / (|x| + |y|)) / 2 of the azimuth between them.
+    caps : (views, 2) float64
+        For each view, the lobe's mean direction as an angle from the normal, away from the view, and the
+        angle about it within which all but the tolerance of the lobe's integral lies (pi for tolerance 0).
+    lobe_center : (views,) float64
+        gamma(theta_v): the mean direction of rho_hat^2, as an angle from the normal, away from the view.
+    width : float
+        Angle within which half of the integral lies, for a view at 45 degrees.
+    error : float
+        Relative root mean square interpolation error of rho_hat over lights and views.
+    """
+
+    envelope: npt.NDArray[np.float32]
+    ratio: npt.NDArray[np.float32]
+    caps: Array
+    lobe_center: Array
+    width: float
+    error: float
+
+
+def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
+    """Tabulate a lobe in the frame of its normal."""
+    envelope = _envelope(transfer)
+    cos_views = _node_cosines(VIEW_INTERVALS)
+    light = _light_nodes()
+    planes, caps, centers = [], [], []
+    for cos_v in cos_views:
+        rho = _channels_last(transfer(light, _view(cos_v, len(light))))
+        plane = rho / _envelope_at(envelope, light, _view(cos_v, len(light)))[:, None]
+        planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))
+        wi, weight = light_quadrature(cos_v)
+        value = _channels_last(transfer(wi, _view(cos_v, len(wi))))
+        caps.append(_cap(wi, weight * np.abs(value).sum(axis=1), tolerance))
+        centers.append(_mean_angle(wi, weight * np.sum(value**2, axis=1)))
+    ratio = _padded(_padded(np.array(planes), axis=2), axis=3)
+    table = IsotropicTable(
+        envelope=_padded(envelope, axis=0).astype(np.float32),
+        ratio=np.ascontiguousarray(ratio.astype(np.float32)),
+        caps=np.array(caps),
+        lobe_center=_filled(np.array(centers)),
+        width=0.0,
+        error=0.0,
+    )
+    wi, weight = light_quadrature(np.sqrt(0.5))
+    value = _channels_last(transfer(wi, _view(np.sqrt(0.5), len(wi))))
+    width = _cap(wi, weight * np.abs(value).sum(axis=1), 0.5)[1]
+    return IsotropicTable(
+        table.envelope, table.ratio, table.caps, table.lobe_center, width, _isotropic_error(table, transfer)
+    )
+
+
+def view_place(cos_v: Array) -> Array:
+    """Where a view lies among the view nodes, in [0, VIEW_INTERVALS]."""
+    return VIEW_INTERVALS * np.sqrt(np.clip(1 - cos_v, 0, 1))
+
+
+def light_quadrature(cos_v: float, n_theta: int = 96, n_phi: int = 40) -> tuple[Array, Array]:
+    """Lights above the horizon and their solid angles, dense about the mirror direction.
+
+    Nodes are half vectors, theta_h = t^2 pi/2 with Gauss nodes t; d(omega_i) = 4 (V.H) d(omega_h). Only
+    half of the lights, phi in [0, pi], with weights for both halves.
+    """
+    x, w = np.polynomial.legendre.leggauss(n_theta)
+    t = 0.5 * (1 + x)
+    theta = t**2 * np.pi / 2
+    w_theta = w * 0.5 * t * np.pi * np.sin(theta)
+    y, w_phi = np.polynomial.legendre.leggauss(n_phi)
+    phi, w_phi = 0.5 * (1 + y) * np.pi, w_phi * np.pi / 2
+    a, b = np.meshgrid(theta, phi, indexing="ij")
+    h = np.stack([np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)], axis=-1).reshape(-1, 3)
+    v = _view(cos_v, 1)[0]
+    vh = h @ v
+    wi = 2 * vh[:, None] * h - v
+    weight = np.outer(w_theta, w_phi).ravel() * 8 * vh
+    valid = (vh > 0) & (wi[:, 2] > HORIZON)
+    return wi[valid], weight[valid]
+
+
+def _view(cos_v: float, n: int) -> Array:
+    """A view in the x-z plane, n times; just above the horizon if it lies on it."""
+    cos_v = max(cos_v, HORIZON)
+    return np.tile([np.sqrt(1 - cos_v**2), 0.0, cos_v], (n, 1))
+
+
+def _node_cosines(intervals: int) -> Array:
+    return np.maximum(1 - (np.arange(intervals + 1) / intervals) ** 2, HORIZON)
+
+
+def _light_nodes() -> Array:
+    """Directions of the light at the nodes of the ratio, light major, azimuth minor."""
+    cosine = _node_cosines(LIGHT_INTERVALS)[:, None]
+    sine = np.sqrt(1 - cosine**2)
+    # x / (|x| + |y|) = 1 - 2 k / intervals on the diamond |x| + |y| = 1.
+    x = 1 - 2 * np.arange(AZIMUTH_INTERVALS + 1) / AZIMUTH_INTERVALS
+    y = 1 - np.abs(x)
+    r = np.hypot(x, y)
+    parts = np.broadcast_arrays(sine * x / r, sine * y / r, cosine)
+    return np.stack(parts, axis=-1).reshape(-1, 3)
+
+
+def _envelope(transfer: Transfer) -> Array:
+    """Mean of the lobe at each half angle, L and V at equal heights on both sides of H.
+
+    At such difference angles (phi_d = 90 degrees) the horizon never cuts in, so the mean is smooth.
+    """
+    theta_h = 2 * np.arctan(np.arange(ENVELOPE_INTERVALS + 1) / ENVELOPE_INTERVALS)
+    theta_h = np.minimum(theta_h, np.pi / 2 - HORIZON)
+    h = np.stack([np.sin(theta_h), np.zeros_like(theta_h), np.cos(theta_h)], axis=-1)
+    mean = np.zeros(len(theta_h))
+    for theta_d in np.linspace(0, np.pi / 2, 12, endpoint=False):
+        across = np.array([0.0, np.sin(theta_d), 0.0])
+        rho = _channels_last(transfer(np.cos(theta_d) * h + across, np.cos(theta_d) * h - across))
+        mean += np.abs(rho).mean(axis=1) / 12
+    return np.maximum(mean, max(1e-12 * mean.max(), np.finfo(np.float32).tiny))
+
+
+def _envelope_at(envelope: Array, wi: Array, wo: Array) -> Array:
+    h = wi + wo
+    across = np.hypot(h[:, 0], h[:, 1])
+    half = across / (h[:, 2] + np.hypot(across, h[:, 2]))
+    return np.interp(half * (len(envelope) - 1), np.arange(len(envelope)), envelope)
+
+
+def _mean_angle(wi: Array, energy: Array) -> float:
+    """Angle from the normal, away from a view at azimuth 0, of the mean direction; NaN for no energy."""
+    x, z = energy @ wi[:, 0], energy @ wi[:, 2]
+    return float(np.arctan2(-x, z)) if x != 0 or z != 0 else float("nan")
+
+
+def _cap(wi: Array, energy: Array, left_out: float) -> tuple[float, float]:
+    centre = _mean_angle(wi, energy)
+    if left_out == 0 or not energy.sum() > 0:
+        return 0.0, float(np.pi)
+    cosine = wi @ np.array([-np.sin(centre), 0, np.cos(centre)])
+    order = np.argsort(-cosine)
+    held = np.cumsum(energy[order])
+    k = min(int(np.searchsorted(held, (1 - left_out) * held[-1])), len(order) - 1)
+    return centre, float(np.arccos(np.clip(cosine[order[k]], -1, 1)))
+
+
+def _filled(values: Array) -> Array:
+    """Views from which the lobe is black take the centre of their neighbours."""
+    known = np.isfinite(values)
+    if not known.any():
+        return np.zeros_like(values)
+    k = np.arange(len(values))
+    return np.interp(k, k[known], values[known])
+
+
+def _isotropic_error(table: IsotropicTable, transfer: Transfer) -> float:
+    """The table against the lobe: views between nodes, cos^2 uniform; lights where the lobe is."""
+    wrong = total = 0.0
+    for c2 in (np.arange(12) + 0.47) / 12:
+        wi, weight = light_quadrature(np.sqrt(c2), 61, 31)
+        exact = _channels_last(transfer(wi, _view(np.sqrt(c2), len(wi))))
+        wrong += float(weight @ np.sum((_evaluate(table, wi, np.sqrt(c2)) - exact) ** 2, axis=1))
+        total += float(weight @ np.sum(exact**2, axis=1))
+    return float(np.sqrt(wrong / total)) if total > 0 else 0.0
+
+
+def _evaluate(table: IsotropicTable, wi: Array, cos_v: float) -> Array:
+    """What the integrator computes for a view, (n, C)."""
+    place = float(view_place(np.asarray(cos_v)))
+    from_ = min(int(place), VIEW_INTERVALS - 1)
+    t = place - from_
+    plane = table.ratio[from_] * (1 - t) + table.ratio[from_ + 1] * t
+    xl = LIGHT_INTERVALS * np.sqrt(1 - wi[:, 2])
+    xa = AZIMUTH_INTERVALS * (0.5 - 0.5 * wi[:, 0] / (np.abs(wi[:, 0]) + np.abs(wi[:, 1]) + 1e-30))
+    kl, ka = xl.astype(int), xa.astype(int)
+    tl, ta = xl - kl, xa - ka
+    low = plane[:, kl, ka] * (1 - ta) + plane[:, kl, ka + 1] * ta
+    high = plane[:, kl + 1, ka] * (1 - ta) + plane[:, kl + 1, ka + 1] * ta
+    e = _envelope_at(table.envelope[:-1].astype(np.float64), wi, _view(cos_v, len(wi)))
+    return np.asarray((e * (low * (1 - tl) + high * tl)).T)
+
+
+def _relative_rms(actual: Array, exact: Array, weight: Array) -> float:
+    total = float(np.sum(weight * exact**2))
+    return float(np.sqrt(np.sum(weight * (actual - exact) ** 2) / total)) if total > 0 else 0.0

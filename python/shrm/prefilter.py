@@ -1,0 +1,214 @@
+"""Prefiltering in frequency space: from an environment and a material to a reflection map.
+
+The three steps of [RH02] appendix C: coefficients of light and material, their product, synthesis. The global form
+is synthesised at once, as an ordinary band-limited function (see `cpp/shrm/reflection_map.hpp`).
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.brdf import BRDF
+from shrm.brdf.lobe import Center
+from shrm.brdf_analysis import LobeAnalysis
+from shrm.environment import Environment
+from shrm.orders import (
+    F_MAX,
+    P_MAX,
+    Criterion,
+    LightPower,
+    analysed,
+    analysis_degree,
+    choose,
+    degree_power,
+    error_of,
+    require_orders,
+)
+from shrm.reflection_map import Layout, Part, ReflectionMap
+from shrm.validation import one_of, whole_number
+
+FloatArray = npt.NDArray[np.float64]
+Window = Literal["hann", "lanczos"]
+
+_SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)
+
+
+def prefilter(
+    env: Environment,
+    brdf: BRDF,
+    *,
+    tolerance: float = 0.05,
+    orders: tuple[int, int] | None = None,
+    criterion: Criterion = "light",
+    size: int | None = None,
+    layout: Layout = "latlong",
+    center: Center | None = None,
+    F_max: int = F_MAX,
+    P_max: int = P_MAX,
+    window: Window | None = None,
+    clamp: bool = False,
+) -> ReflectionMap:
+    """Prefilter an environment with a material.
+
+    Parameters
+    ----------
+    env : Environment
+        The light.
+    brdf : BRDF
+        The material, of one lobe or several.
+    tolerance : float
+        The error wanted, in (0, 1); by default the relative RMS of the reflected radiance.
+    orders : (F, P), optional
+        Use these orders instead. Radial lobes have P = 0 whatever is asked for.
+    criterion : {"light", "brdf", "minimum", "bound"}
+        What the error measures, see `shrm.orders`.
+    size : int, optional
+        Rows of a lat-long map (even, its width is twice that), or of a cube's face. By default chosen so that
+        cubic interpolation adds less than a tenth of the predicted error.
+    layout : {"latlong", "cube"}
+        The grid of the maps.
+    center : {"lobe", "reflection", "normal"}, optional
+        Put the lobes that are not exactly symmetric about this centre; "reflection" is the paper's.
+    F_max, P_max : int
+        Caps on the orders that a tolerance may take.
+    window : {"hann", "lanczos"}, optional
+        Damp the high degrees against ringing; counted in the predicted error.
+    clamp : bool
+        Set negative radiance to zero when the map is read.
+
+    Returns
+    -------
+    ReflectionMap
+
+    Warns
+    -----
+    ToleranceWarning
+        If the tolerance cannot be met within the caps.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of another type or out of its range.
+    """
+    if not isinstance(env, Environment):
+        raise TypeError(f"env must be an Environment, got {type(env).__name__}")
+    if not isinstance(brdf, BRDF):
+        raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
+    one_of("layout", layout, get_args(Layout))
+    one_of("criterion", criterion, get_args(Criterion))
+    if window is not None:
+        one_of("window", window, get_args(Window))
+    if size is not None:
+        whole_number("size", size, 2, 8192)
+        if size % 2:
+            raise ValueError(f"size must be even, got {size}")
+    if center is not None:
+        brdf = brdf.recentred(center)
+
+    if orders is None:
+        chosen = choose(brdf, tolerance, criterion, env, F_max=F_max, P_max=P_max)
+        lobe_orders = [(lobe.F, lobe.P) for lobe in chosen.lobes]
+        lobes = analysed(brdf, analysis_degree(max(F for F, _ in lobe_orders), F_max), P_max)
+    else:
+        F, P = _pair(orders)
+        lobes = analysed(brdf, F, P)
+        lobe_orders = [(F, 0 if lobe.kind == "radial" else P) for lobe in lobes]
+
+    windows = [degree_window(window, F) for F, _ in lobe_orders]
+    light = env.coefficients(max(F for F, _ in lobe_orders))
+
+    def truncation_error() -> float:
+        power = LightPower.of(env, max(F_max, *(F for F, _ in lobe_orders)))
+        return error_of(brdf, lobe_orders, power, criterion, windows).error
+
+    parts = [_unsampled(lobe, light, *pair, w) for lobe, pair, w in zip(lobes, lobe_orders, windows, strict=True)]
+    spectra = [degree_power(part.coefficients.reshape(len(part.coefficients), -1)).sum(axis=1) for part in parts]
+    if size is None:
+        wanted = 0.1 * max(truncation_error(), 1e-3)
+        size = next((s for s in _SIZES if interpolation_error(spectra, s, layout) <= wanted), _SIZES[-1])
+    sampled = tuple(part.resized(size, layout) for part in parts)
+    between_texels = interpolation_error(spectra, size, layout)
+    return ReflectionMap(
+        sampled,
+        brdf.name,
+        criterion,
+        window,
+        clamp,
+        lambda: float(np.hypot(truncation_error(), between_texels if criterion == "light" else 0.0)),
+    )
+
+
+def degree_window(name: Window | None, F: int) -> FloatArray:
+    """Weights of the degrees 0..F: 1 without a window; Hann's cosine or Lanczos' sinc to zero at F + 1."""
+    x = np.arange(F + 1) / (F + 1)
+    if name == "hann":
+        return np.asarray((1 + np.cos(np.pi * x)) / 2)
+    if name == "lanczos":
+        return np.asarray(np.sinc(x))
+    return np.ones(F + 1)
+
+
+def interpolation_error(spectra: list[FloatArray], size: int, layout: Layout) -> float:
+    """Relative RMS error of four-point Lagrange interpolation between the texels of a map.
+
+    A degree j turns by j h radians from one texel to the next, at most; its error is that of interpolating
+    e^{i j h x} in one dimension, the mean over x.
+
+    Parameters
+    ----------
+    spectra : list of (J+1,) float64
+        Energy of each degree of the maps of each part.
+    size : int
+        Rows of a lat-long map, or of a cube's face.
+    layout : {"latlong", "cube"}
+        The grid.
+    """
+    spacing = np.pi / size if layout == "latlong" else 2 / size  # the widest texels, at a face's centre
+    t = (np.arange(16) + 0.5) / 16
+    weights = np.array(
+        [
+            -t * (t - 1) * (t - 2) / 6,
+            (t + 1) * (t - 1) * (t - 2) / 2,
+            -(t + 1) * t * (t - 2) / 2,
+            (t + 1) * t * (t - 1) / 6,
+        ]
+    )
+    J = max(len(s) for s in spectra)
+    shifts = np.arange(-1, 3)[:, None] - t
+    turn = np.exp(1j * np.arange(J)[:, None, None] * spacing * shifts)  # (degree, sample, t)
+    squared = np.mean(np.abs((weights * turn).sum(axis=1) - 1) ** 2, axis=1)
+    lost = sum(float((s * squared[: len(s)]).sum()) for s in spectra)
+    whole = sum(float(s.sum()) for s in spectra)
+    return float(np.sqrt(lost / whole)) if whole > 0 else 0.0
+
+
+def _unsampled(lobe: LobeAnalysis, light: FloatArray, F: int, P: int, window: FloatArray) -> Part:
+    """A part with its coefficients, and maps of no size yet."""
+    rho = lobe.coefficients(F, P) * window[:, None, None, None]
+    zonal = lobe.kind != "isotropic"
+    return Part(
+        center=lobe.center,
+        gamma=lobe.gamma,
+        zonal=zonal,
+        layout="latlong",
+        light=np.ascontiguousarray(light[: (F + 1) ** 2], dtype=np.float64),
+        rho=np.ascontiguousarray(np.broadcast_to(rho, (*rho.shape[:3], 3))),
+        rings=np.zeros((0, P + 1 if zonal else (P + 1) ** 2, 3, 0), dtype=np.float32),
+    )
+
+
+def _pair(orders: tuple[int, int]) -> tuple[int, int]:
+    try:
+        F, P = orders
+    except (TypeError, ValueError):
+        raise ValueError(f"orders must be a pair (F, P), got {orders!r}") from None
+    require_orders(F, P)
+    return int(F), int(P)
+

@@ -1,0 +1,335 @@
+"""The spherical harmonic reflection map (SHRM) [RH02 section 4].
+
+For every central direction C a map's texel holds a spherical harmonic series in the view:
+
+    radiance = sum_pq B~_pq(C) Y_pq(V)          [RH02] eq. 7
+
+The maps are those of the *global* form: scalar functions on the sphere, band-limited to degree F + p, which may be
+interpolated and resampled. Lobes without azimuth (radial, or about the tangent) keep only q = 0 of the *local*
+form, P + 1 maps, and radiance = sum_p B_p0(C) Y_p0(angle between C and V)     [RH02] eq. 6.
+
+A material of several lobes has a part for each, about its own centre.
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core
+from shrm.brdf.lobe import Center
+from shrm.sh import basis_size, degree_of
+from shrm.validation import one_of, unit_vectors
+
+FloatArray = npt.NDArray[np.float64]
+Float32Array = npt.NDArray[np.float32]
+Layout = Literal["latlong", "cube"]
+Interpolation = Literal["cubic", "bilinear"]
+
+BORDER: int = _core.CUBE_BORDER
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """The maps of one lobe.
+
+    Attributes
+    ----------
+    center : {"lobe", "reflection", "normal", "tangent"}
+        What C is.
+    gamma : (257,) float64
+        The angle between C and N over theta_v in [0, pi/2], radians; empty about the tangent.
+    zonal : bool
+        Whether the maps are B_p0, to go with Y_p0(angle of C and V), else B~_pq, to go with Y_pq(V).
+    layout : {"latlong", "cube"}
+        The grid of central directions.
+    light : ((F+1)^2, 3) float64
+        L_lm in the real basis of `shrm.sh`; (0, 3) for maps fitted to pictures.
+    rho : (F+1, P+1, P+1, 3) float64
+        rho_lpq at [l, p, q], zero where q > min(l, p); windows included.
+    rings : (H, maps, 3, W) float32
+        The maps as they lie in memory: row by row. A cube has 6 (N + 4) rows of N + 4 texels, each face with
+        a border of two texels in its own plane.
+    """
+
+    center: Center
+    gamma: FloatArray
+    zonal: bool
+    layout: Layout
+    light: FloatArray
+    rho: FloatArray
+    rings: Float32Array
+
+    @property
+    def F(self) -> int:
+        """Largest degree of the light."""
+        return degree_of(self.light) if len(self.light) else -1
+
+    @property
+    def P(self) -> int:
+        """Largest order of the view."""
+        maps = self.rings.shape[1]
+        return maps - 1 if self.zonal else round(float(np.sqrt(maps))) - 1
+
+    @property
+    def size(self) -> int:
+        """Rows of a lat-long map, or of a cube's face."""
+        return self.rings.shape[0] if self.layout == "latlong" else self.rings.shape[3] - 2 * BORDER
+
+    @property
+    def maps(self) -> Float32Array:
+        """The coefficient maps, a view.
+
+        ((P+1)^2, H, W, 3) float32 at index p(p+1)+q of the real basis, or (P+1, H, W, 3) at index p if zonal; for
+        cubes H, W become 6, N, N with the faces in the order +X -X +Y -Y +Z -Z.
+        """
+        if self.layout == "latlong":
+            return self.rings.transpose(1, 0, 3, 2)
+        side = self.rings.shape[3]
+        faces = self.rings.reshape(6, side, *self.rings.shape[1:])
+        inner = slice(BORDER, side - BORDER)
+        return faces[:, inner, :, :, inner].transpose(2, 0, 1, 4, 3)
+
+    def directions(self) -> FloatArray:
+        """Return the central direction of every texel: (H, W, 3), or (6, N, N, 3) for cubes."""
+        if self.layout == "cube":
+            N = self.size
+            bordered = _core.cube_directions(N=N).reshape(6, N + 2 * BORDER, N + 2 * BORDER, 3)
+            return np.asarray(bordered[:, BORDER:-BORDER, BORDER:-BORDER])
+        H, W = self.rings.shape[0], self.rings.shape[3]
+        theta = (np.arange(H)[:, None] + 0.5) * np.pi / H
+        phi = np.pi - 2 * np.pi * (np.arange(W) + 0.5) / W
+        z = np.broadcast_to(np.cos(theta), (H, W))
+        return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), z], axis=-1)
+
+    @property
+    def coefficients(self) -> FloatArray:
+        """Spherical harmonic coefficients of the maps: the exact, resolution-free form.
+
+        ((F+P+1)^2, maps, 3) float64; ((F+1)^2, P+1, 3) if zonal.
+        """
+        if not self.zonal:
+            return _core.global_coefficients(light=self.light, rho=self.rho)
+        l = np.repeat(np.arange(self.F + 1), 2 * np.arange(self.F + 1) + 1)
+        # B_p0 = sum_lm L_lm rho_lp0 d^l_m0 e^{i m beta} and Y_lm = sqrt((2l+1)/4pi) d^l_m0 e^{i m beta}, eq. 14
+        return np.asarray(self.light[:, None, :] * (np.sqrt(4 * np.pi / (2 * l + 1))[:, None, None] * self.rho[l, :, 0]))
+
+    def local_maps(self, H: int, W: int | None = None) -> Float32Array:
+        """Return the local form B_pq(alpha, beta) [RH02 eq. 14] on a lat-long grid.
+
+        For q /= 0 these are spin functions, singular at the poles: use them on their own grid only.
+
+        Parameters
+        ----------
+        H, W : int
+            Size; W is 2 H unless given.
+
+        Returns
+        -------
+        ((P+1)^2, H, W, 3) float32
+            sqrt2 Re B_pq at p(p+1)+q, B_p0, and -sqrt2 Im B_pq at p(p+1)-q: the coefficients in the real basis
+            of the view in the frame of C.
+        """
+        width = 2 * H if W is None else W
+        rings = _core.local_reflection_map(light=self.light, rho=self.rho, H=H, W=width)
+        return np.asarray(rings.transpose(1, 0, 3, 2))
+
+    def resized(self, size: int, layout: Layout) -> Part:
+        """Return the same lobe on another grid, made from its coefficients."""
+        return replace(self, layout=layout, rings=synthesised(self.coefficients, size, layout))
+
+
+def synthesised(coefficients: FloatArray, size: int, layout: Layout) -> Float32Array:
+    """Rings of maps from their coefficients ((J+1)^2, maps, 3)."""
+    count, maps = coefficients.shape[:2]
+    columns = np.ascontiguousarray(coefficients.reshape(count, maps * 3))
+    if layout == "latlong":
+        rings = _core.synthesis(coefficients=columns, H=size, W=2 * size)
+        return np.asarray(rings).reshape(size, maps, 3, 2 * size)
+    directions = _core.cube_directions(N=size)
+    rows, side = directions.shape[:2]
+    values = _core.evaluate_float(coefficients=columns, directions=directions.reshape(-1, 3))
+    return np.ascontiguousarray(values.reshape(rows, side, maps, 3).transpose(0, 2, 3, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class ReflectionMap:
+    """A prefiltered environment: what `shrm.prefilter` returns.
+
+    Attributes
+    ----------
+    parts : tuple of Part
+        One for each lobe of the material.
+    brdf : str
+        The material's name.
+    criterion : str
+        The measure of `error`.
+    window : str or None
+        The window on the degrees.
+    clamp : bool
+        Whether negative radiance is set to zero when read.
+    """
+
+    parts: tuple[Part, ...]
+    brdf: str
+    criterion: str
+    window: str | None
+    clamp: bool
+    predict: Callable[[], float]
+
+    @property
+    def F(self) -> int:
+        """Largest degree of the light, over the parts."""
+        return max(part.F for part in self.parts)
+
+    @property
+    def P(self) -> int:
+        """Largest order of the view, over the parts."""
+        return max(part.P for part in self.parts)
+
+    @property
+    def layout(self) -> Layout:
+        """The grid of the maps."""
+        return self.parts[0].layout
+
+    @cached_property
+    def error(self) -> float:
+        """The error predicted, of truncation and interpolation together, in the criterion's measure.
+
+        For `light`: the relative RMS of the reflected radiance over all frames (N, V).
+        """
+        return self.predict()
+
+    def radiance(
+        self,
+        normals: npt.ArrayLike,
+        views: npt.ArrayLike,
+        tangents: npt.ArrayLike | None = None,
+        *,
+        interpolation: Interpolation = "cubic",
+    ) -> Float32Array:
+        """Return the radiance reflected towards the eye [RH02 eq. 7].
+
+        Normals that face away from the eye, as interpolated ones do at silhouettes, are shaded as the paper's
+        reflection formula has it (two-sided), or as at the horizon (about other centres).
+
+        Parameters
+        ----------
+        normals : (n, 3) array_like
+            Unit vectors, world frame.
+        views : (n, 3) or (3,) array_like
+            Unit vectors from the surface to the eye; one for all points if the viewer is distant.
+        tangents : (n, 3) array_like, optional
+            Unit vectors, needed for lobes about the tangent.
+        interpolation : {"cubic", "bilinear"}
+            Between the maps' texels. Bilinear look-ups, as graphics hardware makes them, lose a few per cent
+            of the highest degrees.
+
+        Returns
+        -------
+        (n, 3) float32
+
+        Raises
+        ------
+        ValueError, TypeError
+            If an argument has another shape, or is not of unit vectors.
+        """
+        one_of("interpolation", interpolation, ("cubic", "bilinear"))
+        N = unit_vectors("normals", normals)
+        V = unit_vectors("views", views, 1 if np.ndim(views) == 1 else len(N))
+        T = None
+        if any(part.center == "tangent" for part in self.parts):
+            if tangents is None:
+                raise ValueError(f"{self.brdf} has a lobe about the tangent: radiance needs tangents")
+            T = unit_vectors("tangents", tangents, len(N))
+        radiance = np.zeros(N.shape, dtype=np.float32)
+        for part in self.parts:
+            _core.add_radiance(
+                rings=part.rings,
+                cube=part.layout == "cube",
+                zonal=part.zonal,
+                centre=part.center,
+                gamma=part.gamma,
+                axes=T if part.center == "tangent" else N,
+                views=V,
+                bilinear=interpolation == "bilinear",
+                radiance=radiance,
+            )
+        return np.maximum(radiance, 0) if self.clamp else radiance
+
+    def at_view(self, view: npt.ArrayLike) -> Float32Array | dict[str, Float32Array]:
+        """Return the dynamic reflection map of a distant viewer [RH02 eq. 12].
+
+        An ordinary reflection map: look it up at the central direction C of each point.
+
+        Parameters
+        ----------
+        view : (3,) array_like
+            Unit vector towards the eye.
+
+        Returns
+        -------
+        (H, W, 3) float32, or (6, N, N, 3) for cubes, or a dict of such arrays
+            A dict {centre: map} if the material has several centres; lobes about the same centre are summed. A
+            second lobe centre is called "lobe 2", and so on.
+        """
+        V = unit_vectors("view", view, 1)
+        maps: dict[str, Float32Array] = {}
+        lobes = 0
+        for part in self.parts:
+            name: str = part.center
+            if part.center == "lobe":
+                lobes += 1
+                name = "lobe" if lobes == 1 else f"lobe {lobes}"
+            rings = _core.view_map(rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V)
+            if part.layout == "cube":
+                side = rings.shape[1]
+                inner = slice(BORDER, side - BORDER)
+                rings = rings.reshape(6, side, side, 3)[:, inner, inner]
+            maps[name] = maps[name] + rings if name in maps else rings
+        if self.clamp:
+            maps = {name: np.maximum(pixels, 0) for name, pixels in maps.items()}
+        return next(iter(maps.values())) if len(maps) == 1 else maps
+
+    def save(self, path: str | Path) -> None:
+        """Write an OpenEXR file with the maps, the coefficients and every convention in its metadata.
+
+        See `shrm.reflection_file` for what it holds.
+        """
+        from shrm.reflection_file import save
+
+        save(self, path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> ReflectionMap:
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        shrm.ImageError
+            If the file cannot be read, or is no reflection map.
+        """
+        from shrm.reflection_file import load
+
+        return load(path)
+
+    def __repr__(self) -> str:
+        return f"<ReflectionMap {self.brdf}: F={self.F} P={self.P} {self.layout} {self.parts[0].size}>"
+
+
+def require_maps(maps: int, zonal: bool) -> int:
+    """Return P of a number of maps, or raise ValueError."""
+    P = maps - 1 if zonal else round(float(np.sqrt(maps))) - 1
+    if P < 0 or (not zonal and basis_size(P) != maps):
+        raise ValueError(f"a reflection map has (P+1)^2 maps, got {maps}")
+    return P

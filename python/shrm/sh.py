@@ -1,0 +1,167 @@
+"""Spherical harmonics: analysis, synthesis, evaluation and rotation.
+
+Coefficients are in the real orthonormal basis, index l(l+1)+m: sqrt2 Re Y_lm for m > 0, Y_l0, sqrt2 Im Y_l|m|
+for m < 0, with the Condon-Shortley phase; one column for each channel. Pictures are lat-long, row 0 at +z, the
+centre looking along +x, nothing mirrored when seen from inside.
+
+Everything is separable: F-degree coefficients of an S x 2S picture take O(F S^2) operations [RH02 section 6.1].
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core
+from shrm.validation import real_array, unit_vectors, whole_number
+
+__all__ = ["MAX_DEGREE", "analysis", "basis_size", "degree_of", "evaluate", "rotate", "synthesis"]
+
+MAX_DEGREE = 1000
+"""Degrees above this are refused; recurrences are checked to it."""
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def analysis(pixels: npt.ArrayLike, F: int) -> FloatArray:
+    """Transform samples at the texel centres to coefficients.
+
+    The quadrature is Fejer's first rule: exact, and the inverse of `synthesis`, for functions of degree
+    D <= F if D + F < H and D + F < W. For a *picture*, whose texels are areas, see `Environment.coefficients`.
+
+    Parameters
+    ----------
+    pixels : (H, W) or (H, W, channels) array_like
+        Samples, converted to float32.
+    F : int
+        Largest degree, 0 <= F <= 1000.
+
+    Returns
+    -------
+    ((F+1)^2, channels) float64
+
+    Raises
+    ------
+    ValueError
+        If pixels has another shape or is not finite, or F is out of range.
+    """
+    return _core.analysis(pixels=_picture(pixels), F=whole_number("F", F, 0, MAX_DEGREE), areas=False)
+
+
+def synthesis(coefficients: npt.ArrayLike, H: int, W: int) -> npt.NDArray[np.float32]:
+    """Evaluate coefficients at the texel centres of a lat-long picture.
+
+    Parameters
+    ----------
+    coefficients : ((F+1)^2,) or ((F+1)^2, channels) array_like
+        Real-basis coefficients.
+    H, W : int
+        Size of the picture.
+
+    Returns
+    -------
+    (H, W, channels) float32
+
+    Raises
+    ------
+    ValueError
+        If coefficients has another shape or is not finite, or H or W is not positive.
+    """
+    rings = _core.synthesis(
+        coefficients=_coefficients(coefficients),
+        H=whole_number("H", H, 1, 65536),
+        W=whole_number("W", W, 1, 65536),
+    )
+    return np.ascontiguousarray(rings.transpose(0, 2, 1))
+
+
+def evaluate(coefficients: npt.ArrayLike, directions: npt.ArrayLike) -> FloatArray:
+    """Evaluate coefficients at any directions, in float64.
+
+    Parameters
+    ----------
+    coefficients : ((F+1)^2,) or ((F+1)^2, channels) array_like
+        Real-basis coefficients.
+    directions : (n, 3) array_like
+        Unit vectors.
+
+    Returns
+    -------
+    (n, channels) float64
+
+    Raises
+    ------
+    ValueError
+        If a shape does not fit, or the directions are not unit vectors.
+    """
+    at = unit_vectors("directions", directions)
+    return _core.evaluate(coefficients=_coefficients(coefficients), directions=at)
+
+
+def rotate(coefficients: npt.ArrayLike, R: npt.ArrayLike) -> FloatArray:
+    """Return the coefficients of the rotated function L'(w) = L(R^T w).
+
+    Parameters
+    ----------
+    coefficients : ((F+1)^2,) or ((F+1)^2, channels) array_like
+        Real-basis coefficients.
+    R : (3, 3) array_like
+        A rotation: orthogonal to 1e-6, determinant 1.
+
+    Returns
+    -------
+    ((F+1)^2, channels) float64
+
+    Raises
+    ------
+    ValueError
+        If coefficients has another shape, or R is no rotation.
+    """
+    return _core.rotate(coefficients=_coefficients(coefficients), R=require_rotation(R))
+
+
+def basis_size(F: int) -> int:
+    """Return (F+1)^2, the number of basis functions up to degree F."""
+    return (F + 1) ** 2
+
+
+def degree_of(coefficients: npt.NDArray[np.generic]) -> int:
+    """Return F of an array with (F+1)^2 rows."""
+    F = round(float(np.sqrt(len(coefficients)))) - 1
+    if F < 0 or basis_size(F) != len(coefficients):
+        raise ValueError(f"coefficients must have (F+1)^2 rows, got {len(coefficients)}")
+    return F
+
+
+def require_rotation(R: npt.ArrayLike) -> FloatArray:
+    """Return R as a (3, 3) float64 array, or raise ValueError unless it is a rotation."""
+    matrix = np.ascontiguousarray(real_array("R", R))
+    if matrix.shape != (3, 3):
+        raise ValueError(f"R must have the shape (3, 3), got {matrix.shape}")
+    if not np.allclose(matrix @ matrix.T, np.eye(3), rtol=0, atol=1e-6) or np.linalg.det(matrix) < 0:
+        raise ValueError("R must be a rotation: orthogonal, with determinant 1")
+    return matrix
+
+
+def _picture(pixels: npt.ArrayLike) -> npt.NDArray[np.float32]:
+    array = real_array("pixels", pixels)
+    if array.ndim == 2:
+        array = array[..., None]
+    if array.ndim != 3 or 0 in array.shape:
+        raise ValueError(f"pixels must have the shape (H, W) or (H, W, channels), got {np.shape(pixels)}")
+    return np.ascontiguousarray(array, dtype=np.float32)
+
+
+def _coefficients(coefficients: npt.ArrayLike) -> FloatArray:
+    array = real_array("coefficients", coefficients)
+    if array.ndim == 1:
+        array = array[:, None]
+    if array.ndim != 2 or 0 in array.shape:
+        raise ValueError(f"coefficients must have the shape ((F+1)^2, channels), got {np.shape(coefficients)}")
+    if degree_of(array) > MAX_DEGREE:
+        raise ValueError(f"coefficients must have degrees up to {MAX_DEGREE} at most, got {degree_of(array)}")
+    return np.ascontiguousarray(array)
