@@ -304,6 +304,26 @@ def test_a_distant_viewer_has_one_view() -> None:
     assert np.ptp(near.radiance[near.coverage == 1.0], axis=0).max() > 0.3
 
 
+def test_shading_by_pixel_asks_less_and_shows_the_same() -> None:
+    class Counting(Normals):
+        asked = 0
+
+        def radiance(self, normals: Float32, views: Float32, tangents: Float32 | None = None) -> Float32:
+            Counting.asked += len(normals)
+            return normals
+
+    camera = Camera((-5.0, 1.0, 2.0), fov=28.0)
+    fine = render([Object(Sphere(), Counting())], camera, 64, 64, samples=3)
+    per_sample, Counting.asked = Counting.asked, 0
+    coarse = render([Object(Sphere(), Counting())], camera, 64, 64, samples=3, shading="pixel")
+    assert Counting.asked == np.count_nonzero(coarse.coverage)
+    assert per_sample > 8 * Counting.asked
+    np.testing.assert_array_equal(fine.coverage, coarse.coverage)
+    # The mean of unit vectors within an angle d of each other is shorter than 1 by d^2/8 at most.
+    inside = fine.coverage == 1.0
+    assert np.median(np.abs(fine.radiance - coarse.radiance)[inside]) < 1e-3
+
+
 def test_the_nearer_object_is_seen() -> None:
     near, far = Object(Sphere((-2.0, 0, 0), 0.5), Constant()), Object(Sphere(), Normals())
     camera = Camera((-8.0, 0, 0), height=2.0)
@@ -348,7 +368,13 @@ def test_bands_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changed", "name"), [({"width": 0}, "width"), ({"samples": 0}, "samples"), ({"viewer": "far"}, "viewer")]
+    ("changed", "name"),
+    [
+        ({"width": 0}, "width"),
+        ({"samples": 0}, "samples"),
+        ({"viewer": "far"}, "viewer"),
+        ({"shading": "x"}, "shading"),
+    ],
 )
 def test_pictures_are_checked_at_the_door(changed: dict[str, object], name: str) -> None:
     arguments = {"width": 8, "height": 8, **changed}
@@ -383,9 +409,6 @@ def test_the_srgb_curve_at_known_points() -> None:
 
 
 def test_display_doubles_per_stop_and_divides_by_coverage() -> None:
-    radiance, coverage = np.full((1, 1, 3), 0.1, np.float32), np.full((1, 1), 0.5, np.float32)
-    np.testing.assert_allclose(display(radiance, 1.0), srgb(np.float32([[[0.2] * 3]])), atol=1e-7)
-    np.testing.assert_allclose(
-        display(radiance, 0.0, coverage)[0, 0, :3], srgb(np.float32([0.2] * 3)), atol=1e-6
-    )
-    assert display(radiance, 0.0, coverage)[0, 0, 3] == 0.5
+    radiance, coverage = np.full((1, 1, 3), 0.1070206, np.float32), np.full((1, 1), 0.5, np.float32)
+    np.testing.assert_array_equal(display(radiance, 1.0), [[[128] * 3]])  # 0.5 of 255, rounded to even
+    np.testing.assert_array_equal(display(radiance, 0.0, coverage), [[[128, 128, 128, 128]]])

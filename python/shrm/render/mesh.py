@@ -138,7 +138,8 @@ class Mesh:
         a, b, c = (self.vertices[corners[:, k]] for k in range(3))
         flat = _unit(np.cross(b - a, c - a))
         smooth = _unit(np.einsum("nk,nkx->nx", weights, self.vertex_normals[corners]))
-        smooth = np.where(smooth.any(axis=1, keepdims=True), smooth, flat)
+        for spare in (flat, -directions):  # vertices, or a whole face, that define no normal
+            smooth = np.where(smooth.any(axis=1, keepdims=True), smooth, spare)
         # The side is the face's, not the interpolated normal's, which may tip over at silhouettes.
         flat *= np.where(np.einsum("nk,nk->n", flat, smooth) < 0.0, -1.0, 1.0)[:, None]
         behind = np.einsum("nk,nk->n", flat, directions) > 0.0

@@ -85,6 +85,7 @@ def render(
     background: Lighting | None = None,
     viewer: Literal["near", "distant"] = "near",
     samples: int = 2,
+    shading: Literal["sample", "pixel"] = "sample",
     progress: Callable[[float], None] | None = None,
 ) -> Picture:
     """Render objects lit through their prefiltered materials.
@@ -101,19 +102,26 @@ def render(
         Whether each pixel has its own view vector or all have the camera's.
     samples : int
         samples x samples rays per pixel, averaged.
+    shading : "sample" or "pixel"
+        Whether materials are asked once for each ray, or once for each object in a pixel, at the mean
+        normal: right where shapes and reflections are smooth over a pixel, and samples^2 times faster.
     progress : callable, optional
         Called with the part of the work that is done, up to 1.
 
     Raises
     ------
     ValueError
-        If width, height or samples is not positive, or viewer is another word.
+        If width, height or samples is not positive, or viewer or shading is another word.
     """
     for name, value in (("width", width), ("height", height), ("samples", samples)):
         if value < 1:
             raise ValueError(f"{name} is {value}, but needs to be at least 1")
-    if viewer not in ("near", "distant"):
-        raise ValueError(f"viewer is {viewer!r}, but needs to be 'near' or 'distant'")
+    for name, word, words in (
+        ("viewer", viewer, ("near", "distant")),
+        ("shading", shading, ("sample", "pixel")),
+    ):
+        if word not in words:
+            raise ValueError(f"{name} is {word!r}, but needs to be {words[0]!r} or {words[1]!r}")
 
     radiance = np.empty((height, width, 3), np.float32)
     coverage = np.empty((height, width), np.float32)
@@ -124,8 +132,13 @@ def render(
         columns = (np.arange(width * samples) + 0.5) / samples
         grid = np.meshgrid(columns, rows)
         origins, directions = camera.rays(grid[0].ravel(), grid[1].ravel(), width, height)
-        colours, covered = _trace(objects, origins, directions, background, camera, viewer)
         shape = (bottom - top, samples, width, samples)
+        points = np.arange(len(directions))  # where materials are asked
+        if shading == "pixel":
+            pixels = np.arange((bottom - top) * width).reshape(bottom - top, 1, width, 1)
+            points = np.broadcast_to(pixels, shape).ravel()
+        views = np.broadcast_to(-camera.forward, directions.shape) if viewer == "distant" else -directions
+        colours, covered = _trace(objects, origins, directions, views, points, background)
         radiance[top:bottom] = colours.reshape(*shape, 3).mean(axis=(1, 3))
         coverage[top:bottom] = covered.reshape(shape).mean(axis=(1, 3))
         if progress is not None:
@@ -137,32 +150,47 @@ def _trace(
     objects: Sequence[Object],
     origins: FloatArray,
     directions: FloatArray,
+    views: FloatArray,
+    points: npt.NDArray[np.intp],
     background: Lighting | None,
-    camera: Camera,
-    viewer: Literal["near", "distant"],
 ) -> tuple[FloatPixels, npt.NDArray[np.bool_]]:
-    """Radiance (n, 3) along rays, and whether they hit an object (n,)."""
+    """Radiance (n, 3) along rays, and whether they hit an object (n,).
+
+    Rays of the same point that hit the same object share one evaluation of its material.
+    """
     all_hits = [thing.shape.intersect(origins, directions) for thing in objects]
-    distances = np.array([hits.distances for hits in all_hits]).reshape(len(objects), len(directions))
-    nearest = np.where(np.isfinite(distances).any(axis=0), distances.argmin(axis=0), -1) if objects else None
-    first = np.full(len(directions), -1) if nearest is None else nearest
+    nearest = np.full(len(directions), np.inf)
+    first = np.full(len(directions), -1)
+    for index, hits in enumerate(all_hits):
+        closer = hits.distances < nearest
+        nearest[closer], first[closer] = hits.distances[closer], index
 
     radiance = np.zeros((len(directions), 3), np.float32)
     missed = first < 0
     if background is not None and missed.any():
         radiance[missed] = environment_lookup(background.pixels, directions[missed])
     for index, (thing, hits) in enumerate(zip(objects, all_hits, strict=True)):
-        seen = first == index
-        if not seen.any():
-            continue
-        normals = hits.normals[seen]
-        views = -directions[seen] if viewer == "near" else np.broadcast_to(-camera.forward, normals.shape)
-        tangents = tangents_around(thing.axis, normals)
-        reflected = thing.material.radiance(_single(normals), _single(views), tangents=_single(tangents))
-        if thing.texture is not None:
-            reflected = reflected * texture_lookup(thing.texture, hits.uv[seen])
-        radiance[seen] = reflected
+        seen = np.flatnonzero(first == index)
+        if len(seen):
+            _, point, count = np.unique(points[seen], return_inverse=True, return_counts=True)
+            normals, toward_eye = (_unit(_sums(x[seen], point, len(count))) for x in (hits.normals, views))
+            reflected = thing.material.radiance(
+                _single(normals), _single(toward_eye), tangents=_single(tangents_around(thing.axis, normals))
+            )[point]
+            if thing.texture is not None:
+                reflected = reflected * texture_lookup(thing.texture, hits.uv[seen])
+            radiance[seen] = reflected
     return radiance, ~missed
+
+
+def _sums(vectors: FloatArray, group: npt.NDArray[np.intp], groups: int) -> FloatArray:
+    """Sums (groups, 3) of the vectors of each group."""
+    return np.stack([np.bincount(group, vectors[:, k], groups) for k in range(3)], axis=1)
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    """Vectors of unit length."""
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
 def tangents_around(axis: Vector, normals: FloatArray) -> FloatArray:
@@ -182,7 +210,7 @@ def tangents_around(axis: Vector, normals: FloatArray) -> FloatArray:
     least = np.eye(3)[np.abs(normals).argmin(axis=1)]  # the coordinate axis farthest from N
     spare = np.cross(least, normals)
     tangents = np.where(lengths > 1e-9, tangents, spare)
-    return np.asarray(tangents / np.linalg.norm(tangents, axis=1, keepdims=True))
+    return _unit(tangents)
 
 
 def _single(vectors: FloatArray) -> npt.NDArray[np.float32]:

@@ -33,7 +33,7 @@ def automatic_exposure(radiance: FloatPixels, coverage: npt.NDArray[np.float32] 
 
 def display(
     radiance: FloatPixels, exposure: float = 0.0, coverage: npt.NDArray[np.float32] | None = None
-) -> FloatPixels:
+) -> npt.NDArray[np.uint8]:
     """Pixels for an 8-bit file.
 
     Parameters
@@ -47,11 +47,13 @@ def display(
 
     Returns
     -------
-    (H, W, 3 or 4) float32 in [0, 1]
+    (H, W, 3 or 4) uint8
     """
     gain = np.float32(2.0**exposure)
     if coverage is None:
-        return srgb(gain * radiance)
-    alpha = coverage[..., None]
-    colours = gain * radiance / np.where(alpha > 0.0, alpha, 1.0)
-    return np.concatenate([srgb(colours.astype(np.float32)), alpha], axis=2)
+        shown = srgb(gain * radiance)
+    else:
+        alpha = coverage[..., None]
+        colours = gain * radiance / np.where(alpha > 0.0, alpha, 1.0)
+        shown = np.concatenate([srgb(colours.astype(np.float32)), alpha], axis=2)
+    return np.round(255.0 * shown).astype(np.uint8)
