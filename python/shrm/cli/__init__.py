@@ -1,0 +1,63 @@
+"""The command `shrm`. One file per command; each imports what it needs when it runs.
+
+Exit status: 0 done, 1 the work failed, 2 the command line is wrong. A failure is one line on the
+standard error that names the file or the argument and what is wrong with it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from shrm.cli import convert, demo, info, prefilter, render
+from shrm.cli.console import one_line, warnings_as_lines
+
+COMMANDS = (demo, info, convert, prefilter, render)
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaints are one line."""
+
+    def error(self, message: str) -> None:  # type: ignore[override]
+        """Say what is wrong with the command line; exit status 2."""
+        self.exit(2, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+
+
+def parser() -> Parser:
+    """Return the parser of the whole command line."""
+    top = Parser(
+        prog="shrm",
+        description="Frequency-space environment map rendering: spherical harmonic reflection maps.",
+        epilog="example: shrm demo    then    shrm COMMAND --help",
+    )
+    commands = top.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
+    for module in COMMANDS:
+        name = module.__name__.rpartition(".")[2]
+        summary, _, details = (module.__doc__ or "").partition("\n\n")
+        command = commands.add_parser(
+            name,
+            help=summary.rstrip("."),
+            description=f"{summary}\n\n{details}".strip(),
+            epilog=f"example: {module.EXAMPLE}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        module.add_arguments(command)
+        command.set_defaults(run=module.run, parser=command)
+    return top
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit status (argparse exits by itself with 0 or 2)."""
+    options = parser().parse_args(arguments)
+    try:
+        with warnings_as_lines():
+            options.run(options)
+    except argparse.ArgumentError as fault:  # an argument that only the library can judge
+        options.parser.error(one_line(fault))
+    except (OSError, ValueError, RuntimeError, MemoryError) as fault:
+        print(f"shrm: error: {one_line(fault)}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    return 0

@@ -1,0 +1,65 @@
+"""What the commands say while they work: progress, warnings, faults. All on the standard error."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TextIO
+
+
+def one_line(fault: BaseException) -> str:
+    """Say a fault in one line; one of the system names the file first."""
+    if isinstance(fault, OSError) and fault.filename is not None and fault.strerror:
+        return f"{fault.filename}: {fault.strerror}"
+    if isinstance(fault, MemoryError):
+        return "not enough memory"
+    return " ".join(str(fault).split()) or type(fault).__name__
+
+
+@contextmanager
+def warnings_as_lines() -> Iterator[None]:
+    """Print each different warning of the library once, as one line."""
+    said = set()
+
+    def show(
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        text = " ".join(str(message).split())
+        if text not in said:
+            said.add(text)
+            print(f"shrm: warning: {text}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        for category in (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning):
+            warnings.simplefilter("ignore", category)
+        warnings.showwarning = show
+        yield
+
+
+@contextmanager
+def progress(title: str) -> Iterator[Callable[[float], None]]:
+    """Show a bar on a terminal while work runs, and clear it afterwards.
+
+    Yields
+    ------
+    callable
+        Takes the part of the work that is done, 0 to 1; never called, the bar only moves.
+    """
+    if not sys.stderr.isatty():
+        yield lambda done: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bars:
+        bar = bars.add_task(title, total=None)
+        yield lambda done: bars.update(bar, total=1.0, completed=done)

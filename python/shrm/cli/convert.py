@@ -1,0 +1,31 @@
+"""Convert an environment map to another layout or file format.
+
+Every conversion is area-exact: the light of each texel stays where it is, small suns included.
+The format follows the name: .exr and .hdr keep the light, .png and .jpg are for looking.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from shrm.cli.console import progress
+from shrm.cli.options import LAYOUTS, add_environment, read_environment, whole
+
+EXAMPLE = "shrm convert probe.hdr --layout vertical-cross -o cross.exr"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add_environment(command, layout_flags=("--env-layout",))
+    command.add_argument(
+        "--layout", choices=LAYOUTS, default="latlong", metavar="L", help="layout to write (default latlong)"
+    )
+    command.add_argument("--size", type=whole, metavar="N", help="rows of the lat-long picture, or of a face")
+    command.add_argument("-o", "--output", required=True, metavar="FILE", help="file to write")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Read, convert, write."""
+    with progress("Converting"):
+        read_environment(options).write(options.output, layout=options.layout, size=options.size)
+    print(f"{options.output}: {options.layout}")

@@ -1,0 +1,99 @@
+"""Say what an environment map or a material holds.
+
+An environment: its size, its range, its mean radiance, and how its energy is spread over the
+degrees of spherical harmonics. A material: its lobes, its albedo, the orders that it needs.
+"""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from shrm.cli.console import progress
+from shrm.cli.options import add_environment, parse_brdf, read_environment
+
+if TYPE_CHECKING:
+    from shrm import Environment
+    from shrm.brdf import BRDF
+
+EXAMPLE = "shrm info grace.hdr    or    shrm info --brdf ggx:0.1"
+
+DEGREES = 60  # of the spectrum that are looked at
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add_environment(command, optional=True, layout_flags=("--layout", "--env-layout"))
+    command.add_argument("--brdf", metavar="B", help="a material, such as microfacet:0.2")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print what is asked for."""
+    if options.env is None and options.brdf is None:
+        raise argparse.ArgumentError(None, "needs an environment or --brdf")
+    if options.env is not None:
+        with progress("Reading the environment"):
+            lines = environment_lines(read_environment(options))
+        print(options.env, *lines, sep="\n")
+    if options.brdf is not None:
+        brdf = parse_brdf(options.brdf)
+        with progress("Looking at the material"):
+            lines = material_lines(brdf)
+        print(brdf.name, *lines, sep="\n")
+
+
+def environment_lines(env: Environment) -> list[str]:
+    """What an environment holds, a line for each fact."""
+    import numpy as np
+
+    H, W = env.pixels.shape[:2]
+    luminance = env.pixels.astype(np.float64) @ [0.2126, 0.7152, 0.0722]
+    above = luminance[luminance > 0.0]
+    span = f"{luminance.min():.3g} to {luminance.max():.3g}"
+    if above.size:
+        span += f", dynamic range {above.max() / above.min():.2g}"
+
+    edges = np.cos(np.arange(H + 1) * np.pi / H)
+    areas = (edges[:-1] - edges[1:]) * 2.0 * np.pi / W
+    total = float(np.einsum("i,ijc,ijc->", areas, env.pixels, env.pixels, dtype=np.float64))
+    coefficients = env.coefficients(min(DEGREES, H // 2 - 1) if H > 3 else 0)
+    degree = np.floor(np.sqrt(np.arange(len(coefficients)))).astype(int)
+    captured = np.cumsum(np.bincount(degree, weights=np.sum(coefficients**2, axis=1)))
+    mean = coefficients[0] / np.sqrt(4.0 * np.pi)
+    lines = [
+        f"  as lat-long    {W} x {H}",
+        f"  luminance      {span}",
+        "  mean radiance  " + " ".join(f"{value:.4g}" for value in mean) + "  (R G B)",
+    ]
+    if total > 0.0:
+        shares = [
+            f"{captured[F] / total:.1%} to {F}" for F in (0, 1, 2, 4, 8, 16, 30, 60) if len(captured) > F
+        ]
+        lines.append("  energy         " + ", ".join(shares) + "  (degrees)")
+    return lines
+
+
+def material_lines(brdf: BRDF) -> list[str]:
+    """What a material is made of, a line for each fact."""
+    import numpy as np
+
+    from shrm import orders
+    from shrm.brdf import Material, directional_albedo
+
+    angles = (0, 30, 60, 80)
+    albedo = directional_albedo(brdf, np.cos(np.radians(angles)))
+    lines = [
+        "  albedo         "
+        + ", ".join(
+            " ".join(f"{value:.3g}" for value in values) + f" at {angle}"
+            for angle, values in zip(angles, albedo, strict=True)
+        )
+        + "  (degrees of the view)"
+    ]
+    for index, lobe in enumerate(brdf.lobes, start=1):
+        found = orders.choose(Material((lobe,), f"lobe {index}"), tolerance=0.03, criterion="brdf")
+        lines.append(
+            f"  lobe {index}         about the {lobe.center}, F = {found.F}, P = {found.P}"
+            f" for {1.0 - found.error:.1%} of its energy"
+        )
+    return lines

@@ -1,0 +1,173 @@
+"""Arguments that several commands take, and how their text is read."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from shrm import Environment
+    from shrm.brdf import BRDF
+
+LAYOUTS = (
+    "latlong",
+    "vertical-cross",
+    "horizontal-cross",
+    "strip",
+    "faces",
+    "openexr-cube",
+    "angular",
+    "mirror-ball",
+    "dual-paraboloid",
+    "octahedral",
+)
+
+
+def add_environment(
+    command: argparse.ArgumentParser,
+    *,
+    flag: bool = False,
+    optional: bool = False,
+    layout_flags: tuple[str, ...],
+) -> None:
+    """Add the environment, as an argument of its own or as --env, and how it is read."""
+    what = "environment map (.hdr, .exr, .png, ...), or 'daylight'"
+    if flag:
+        command.add_argument("--env", metavar="ENV", default="daylight", help=f"{what} (default)")
+    else:
+        command.add_argument("env", metavar="ENV", nargs="?" if optional else None, help=what)
+    command.add_argument(
+        *layout_flags,
+        dest="env_layout",
+        choices=LAYOUTS,
+        metavar="L",
+        help=f"layout of the file, if it is not the one recognised: {', '.join(LAYOUTS)}",
+    )
+    command.add_argument(
+        "--repair", action="store_true", help="replace texels that are not finite by neighbours"
+    )
+
+
+def read_environment(options: argparse.Namespace) -> Environment:
+    """Read what `add_environment` asked for."""
+    from shrm import Environment
+
+    if options.env == "daylight":
+        return Environment.daylight()
+    return Environment.read(options.env, layout=options.env_layout, repair=options.repair)
+
+
+def add_orders(command: argparse.ArgumentParser) -> None:
+    """Add --tolerance or --orders."""
+    either = command.add_mutually_exclusive_group()
+    either.add_argument(
+        "--tolerance",
+        type=tolerance,
+        default=0.05,
+        metavar="T",
+        help="relative RMS error of the reflected light that chooses the orders (default 0.05)",
+    )
+    either.add_argument("--orders", type=orders, metavar="F,P", help="the orders themselves, such as 30,4")
+
+
+def parse_brdf(text: str) -> BRDF:
+    """Read a material's text; a wrong one is a fault of the command line.
+
+    Raises
+    ------
+    argparse.ArgumentError
+        If the text does not describe a material.
+    """
+    from shrm import brdf
+
+    try:
+        return brdf.parse(text)
+    except ValueError as fault:
+        raise argparse.ArgumentError(None, f"argument --brdf: {fault}") from None
+
+
+def tolerance(text: str) -> float:
+    """0 < T < 1."""
+    return _between(text, 0.0, 1.0, "a number between 0 and 1")
+
+
+def degrees(text: str) -> float:
+    """An opening angle, 0 < angle < 180."""
+    return _between(text, 0.0, 180.0, "an angle between 0 and 180 degrees")
+
+
+def _between(text: str, low: float, high: float, needs: str) -> float:
+    value = _number(text, needs)
+    if not low < value < high:
+        raise argparse.ArgumentTypeError(f"{text!r}, but it needs {needs}")
+    return value
+
+
+def number(text: str) -> float:
+    """A finite number."""
+    return _number(text, "a number")
+
+
+def _number(text: str, needs: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r}, but it needs {needs}")
+    return value
+
+
+def whole(text: str) -> int:
+    """A whole number of at least 1."""
+    if not (text.isascii() and text.isdigit()) or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a whole number of at least 1")
+    return int(text)
+
+
+def orders(text: str) -> tuple[int, int]:
+    """Read F,P."""
+    parts = text.split(",")
+    if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
+        raise argparse.ArgumentTypeError(
+            f"{text!r}, but it needs F,P: two whole numbers from 0, such as 30,4"
+        )
+    return int(parts[0]), int(parts[1])
+
+
+def extent(text: str) -> tuple[int, int]:
+    """Read WxH."""
+    parts = text.lower().split("x")
+    if len(parts) != 2:
+        raise argparse.ArgumentTypeError(f"{text!r}, but it needs WxH, such as 1280x720")
+    return whole(parts[0]), whole(parts[1])
+
+
+def view(text: str) -> tuple[float, float]:
+    """Read AZIMUTH,ELEVATION."""
+    needs = "AZIMUTH,ELEVATION in degrees, the elevation from -90 to 90, such as 30,10"
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise argparse.ArgumentTypeError(f"{text!r}, but it needs {needs}")
+    azimuth, elevation = (_number(part, needs) for part in parts)
+    if abs(elevation) > 90.0:
+        raise argparse.ArgumentTypeError(f"{text!r}, but it needs {needs}")
+    return azimuth, elevation
+
+
+def picture_file(text: str) -> Path:
+    """A .png or .exr file to write."""
+    path = Path(text)
+    if path.suffix.lower() not in (".png", ".exr"):
+        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name that ends in .png or .exr")
+    return path
+
+
+def exr_file(text: str) -> Path:
+    """An .exr file to write."""
+    path = Path(text)
+    if path.suffix.lower() != ".exr":
+        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name that ends in .exr")
+    return path

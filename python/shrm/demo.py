@@ -1,0 +1,148 @@
+"""The demonstration: one row of spheres by frequency space, by integration, and their difference."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.brdf import parse
+from shrm.environment import Environment
+from shrm.image_io import write_image
+from shrm.reference import prefilter_angular
+from shrm.reflection_map import prefilter
+from shrm.render import (
+    Object,
+    Picture,
+    Reflection,
+    Sphere,
+    automatic_exposure,
+    display,
+    render,
+    row_camera,
+    row_picture,
+)
+
+MATERIALS = {
+    "matt": "lambert:0.75/0.72/0.68",
+    "clay": "0.80/0.45/0.32*microfacet:0.5",
+    "plastic": "lambert:0.03/0.12/0.4 + ggx:alpha=0.25,f0=0.05",
+    "thread": "0.30/0.16/0.09*kajiya-kay:16",
+    "gold": "ggx:alpha=0.35,f0=1.0/0.71/0.29",
+    "copper": "ggx:alpha=0.2,f0=0.95/0.64/0.54",
+    "steel": "ggx:alpha=0.1,f0=0.62/0.60/0.58",
+}
+"""From Lambert to near-mirror, in the words of `shrm.brdf.parse`."""
+
+AMPLIFIED = 16
+FRAMES = 2000  # random frames (N, V) that the measured error is taken over
+
+
+@dataclass(frozen=True)
+class Result:
+    """One line of the table."""
+
+    material: str
+    F: int
+    P: int
+    predicted: float
+    measured: float
+    milliseconds: float
+
+
+def make_demo(
+    folder: Path, diameter: int = 256, progress: Callable[[float], None] | None = None
+) -> list[Result]:
+    """Write the pictures and the maps of the demonstration.
+
+    Parameters
+    ----------
+    folder : path
+        Made if it is not there: spheres.png, integrated.png, difference.png, difference-x16.png and
+        one reflection map (.exr) for each material.
+    diameter : int
+        Pixels across a sphere.
+    progress : callable, optional
+        Called with the part of the work that is done, up to 1.
+
+    Returns
+    -------
+    list of Result
+        The errors are relative RMS of the reflected light over random frames, predicted and measured.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    say = progress or (lambda done: None)
+    env = Environment.daylight()
+
+    frequency: list[Reflection] = []
+    integrated: list[Reflection] = []
+    results = []
+    for index, (name, text) in enumerate(MATERIALS.items()):
+        brdf = parse(text)
+        start = time.perf_counter()
+        rm = prefilter(env, brdf)
+        milliseconds = 1e3 * (time.perf_counter() - start)
+        rm.save(folder / f"{name}.exr")
+        reference = prefilter_angular(env, brdf)
+        measured = relative_rms(rm, reference, about_tangent=brdf.frame == "tangent")
+        results.append(Result(f"{name}: {text}", rm.F, rm.P, rm.error, measured, milliseconds))
+        frequency.append(rm)
+        integrated.append(reference)
+        say(0.4 * (index + 1) / len(MATERIALS))
+
+    spheres = draw(frequency, env, diameter, lambda done: say(0.4 + 0.1 * done))
+    judged = draw(integrated, env, diameter, lambda done: say(0.5 + 0.5 * done))
+    exposure = automatic_exposure(judged.radiance, judged.coverage)
+    difference = np.abs(spheres.radiance - judged.radiance)
+    write_image(folder / "spheres.png", display(spheres.radiance, exposure))
+    write_image(folder / "integrated.png", display(judged.radiance, exposure))
+    write_image(folder / "difference.png", display(difference, exposure))
+    write_image(folder / f"difference-x{AMPLIFIED}.png", display(AMPLIFIED * difference, exposure))
+    return results
+
+
+def draw(
+    materials: list[Reflection], env: Environment, diameter: int, progress: Callable[[float], None]
+) -> Picture:
+    """Draw spheres of the materials in a row, the environment behind them."""
+    width, height = row_picture(len(materials), diameter)
+    camera, centers = row_camera(len(materials), width / height, elevation=3.0, fov=40.0)
+    objects = [Object(Sphere(center), material) for center, material in zip(centers, materials, strict=True)]
+    return render(objects, camera, width, height, background=env, progress=progress)
+
+
+def relative_rms(a: Reflection, b: Reflection, about_tangent: bool) -> float:
+    """Relative RMS difference of a from b over random frames.
+
+    The measure is the one that predicted errors use: N uniform on the sphere and cos^2 of the view's
+    angle to it uniform; about the tangent, T and V uniform and independent.
+    """
+    rng = np.random.default_rng(1)
+    axes, around = (unit(rng.normal(size=(FRAMES, 3))) for _ in range(2))
+    sideways = unit(around - np.sum(around * axes, axis=1, keepdims=True) * axes)
+    cosine = rng.uniform(-1.0, 1.0, FRAMES) if about_tangent else np.sqrt(rng.uniform(0.0, 1.0, FRAMES))
+    views = cosine[:, None] * axes + np.sqrt(1.0 - cosine**2)[:, None] * sideways
+    normals, tangents = (sideways, axes) if about_tangent else (axes, sideways)
+    light = [
+        x.radiance(single(normals), single(views), tangents=single(tangents)).astype(float) for x in (a, b)
+    ]
+    return float(np.sqrt(np.sum((light[0] - light[1]) ** 2) / np.sum(light[1] ** 2)))
+
+
+def unit(vectors: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Vectors of unit length."""
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+
+
+def single(vectors: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+    """In float32, contiguous."""
+    return np.ascontiguousarray(vectors, np.float32)

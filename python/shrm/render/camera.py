@@ -1,0 +1,87 @@
+"""The camera: from positions in the picture to rays in the world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Vector = tuple[float, float, float]
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera, or an orthographic one.
+
+    Parameters
+    ----------
+    position, target : 3 floats
+        Where the eye is and what is in the centre of the picture; world frame, z up.
+    fov : float
+        Vertical field of view in degrees, 0 < fov < 180. Unused by an orthographic camera.
+    height : float, optional
+        Height of the picture in the world's unit; given, the camera is orthographic.
+
+    Raises
+    ------
+    ValueError
+        If the camera looks nowhere (position equals target), or fov or height is out of range.
+    """
+
+    position: Vector
+    target: Vector = (0.0, 0.0, 0.0)
+    fov: float = 30.0
+    height: float | None = None
+
+    def __post_init__(self) -> None:
+        offset = np.subtract(self.target, self.position)
+        if offset.shape != (3,) or not np.isfinite(offset).all() or not offset.any():
+            raise ValueError(
+                f"position and target are {self.position} and {self.target}, but need to be two finite points"
+            )
+        if not 0.0 < self.fov < 180.0:
+            raise ValueError(f"fov is {self.fov}, but needs to be between 0 and 180 degrees")
+        if self.height is not None and not 0.0 < self.height < np.inf:
+            raise ValueError(f"height is {self.height}, but needs to be positive")
+
+    @property
+    def forward(self) -> FloatArray:
+        """Unit vector from the eye to the target, (3,)."""
+        offset = np.subtract(self.target, self.position).astype(np.float64)
+        return np.asarray(offset / np.linalg.norm(offset))
+
+    def rays(
+        self, columns: FloatArray, rows: FloatArray, width: int, height: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Rays through points of a picture.
+
+        Parameters
+        ----------
+        columns, rows : (n,) float64
+            Points in pixels: (0, 0) is the upper left corner, (width, height) the lower right.
+        width, height : int
+            Extent of the picture in pixels; pixels are square.
+
+        Returns
+        -------
+        origins, directions : (n, 3) float64
+            Directions are unit vectors.
+        """
+        forward = self.forward
+        overhead = abs(forward[2]) > 1.0 - 1e-9  # looking straight up or down: +x is up in the picture
+        right = np.cross(forward, (1.0, 0.0, 0.0) if overhead else (0.0, 0.0, 1.0))
+        right /= np.linalg.norm(right)
+        up = np.cross(right, forward)
+        x = ((2.0 * columns - width) / height)[:, None]
+        y = ((height - 2.0 * rows) / height)[:, None]
+
+        position = np.asarray(self.position, np.float64)
+        if self.height is not None:
+            origins = position + 0.5 * self.height * (x * right + y * up)
+            return origins, np.broadcast_to(forward, origins.shape)
+        reach = np.tan(np.radians(self.fov) / 2.0)
+        directions = forward + reach * (x * right + y * up)
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        return np.broadcast_to(position, directions.shape), directions

@@ -1,0 +1,202 @@
+"""Triangle meshes: files through trimesh, rays through Embree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.render.camera import FloatArray, Vector
+from shrm.render.shapes import Hits
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A triangle mesh, two-sided, with normals interpolated between its vertices.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float64
+    faces : (k, 3) int
+        Indices into vertices.
+    normals : (n, 3) float64, optional
+        Unit normals of the vertices. Without them they are computed: the faces' normals, weighted
+        by area, summed over all vertices at one place, so that texture seams do not show.
+    uv : (n, 2) float64, optional
+        Texture coordinates of the vertices, v upwards; zero without them.
+
+    Raises
+    ------
+    ValueError
+        If an array has another shape or values that are not finite, or a face has no such vertex.
+    """
+
+    vertices: FloatArray
+    faces: npt.NDArray[np.int64]
+    normals: FloatArray | None = None
+    uv: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        _require("vertices", self.vertices, (None, 3))
+        if self.faces.ndim != 2 or self.faces.shape[1] != 3 or len(self.faces) == 0:
+            raise ValueError(f"faces has shape {self.faces.shape}, but needs (k, 3) with k > 0")
+        if self.faces.min() < 0 or self.faces.max() >= len(self.vertices):
+            raise ValueError(f"faces name vertices that are not there: there are {len(self.vertices)}")
+        if self.normals is not None:
+            _require("normals", self.normals, (len(self.vertices), 3))
+        if self.uv is not None:
+            _require("uv", self.uv, (len(self.vertices), 2))
+
+    @classmethod
+    def read(cls, path: str | Path, up: Literal["y", "z"] = "y") -> Mesh:
+        """Read a mesh file through trimesh: OBJ, PLY, STL, OFF, glTF.
+
+        Parameters
+        ----------
+        path : path
+        up : "y" or "z"
+            The file's upward axis. Most files have y up and are looked at along -z; here the world
+            has z up and the default camera looks along +x: (x, y, z) here = (-Z, -X, Y) there.
+
+        Raises
+        ------
+        OSError
+            If there is no such file.
+        ValueError
+            If the file is not a mesh that trimesh can read.
+        """
+        if up not in ("y", "z"):
+            raise ValueError(f"up is {up!r}, but needs to be 'y' or 'z'")
+        with open(path, "rb"):  # missing or unreadable: an OSError that names the file
+            pass
+        try:
+            vertices, faces, normals, uv = _gather(path)
+            axes = np.array([[0, 0, -1], [-1, 0, 0], [0, 1, 0]]) if up == "y" else np.eye(3)
+            return cls(vertices @ axes.T, faces, None if normals is None else normals @ axes.T, uv)
+        except Exception as fault:  # trimesh's loaders raise whatever a broken file makes them raise
+            raise ValueError(f"{path}: not a mesh that can be read ({_one_line(fault)})") from None
+
+    def placed(self, center: Vector = (0.0, 0.0, 0.0), radius: float = 1.0, turn: float = 0.0) -> Mesh:
+        """Return the mesh turned about the vertical, then moved and scaled into a cube.
+
+        Parameters
+        ----------
+        center : 3 floats
+        radius : float
+            Half the cube's side, which the longest side of the mesh's bounding box fills.
+        turn : float
+            Degrees from +x towards +y.
+        """
+        c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+        rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        turned = self.vertices @ rotation.T
+        low, high = turned.min(axis=0), turned.max(axis=0)
+        scale = 2.0 * radius / (float((high - low).max()) or 1.0)
+        normals = None if self.normals is None else self.normals @ rotation.T
+        return Mesh(np.asarray(center) + (turned - 0.5 * (low + high)) * scale, self.faces, normals, self.uv)
+
+    @cached_property
+    def vertex_normals(self) -> FloatArray:
+        """The given normals or the computed ones, (n, 3) float64; zero where nothing defines one."""
+        if self.normals is not None:
+            return _unit(self.normals)
+        _, place = np.unique(self.vertices, axis=0, return_inverse=True)
+        place = place.reshape(-1)
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        area_normals = np.cross(b - a, c - a)  # a degenerate face adds nothing
+        sums = np.zeros((place.max() + 1, 3))
+        for k in range(3):
+            np.add.at(sums, place[self.faces[:, k]], area_normals)
+        return _unit(sums[place])
+
+    @cached_property
+    def _scene(self) -> Any:
+        from embreex.mesh_construction import TriangleMesh
+        from embreex.rtcore_scene import EmbreeScene
+
+        scene = EmbreeScene()
+        TriangleMesh(scene, np.ascontiguousarray(self.vertices[self.faces], np.float32))
+        return scene
+
+    def intersect(self, origins: FloatArray, directions: FloatArray) -> Hits:
+        """First hits of rays with (n, 3) origins and unit directions; Embree works in float32."""
+        found = self._scene.run(
+            np.ascontiguousarray(origins, np.float32),
+            np.ascontiguousarray(directions, np.float32),
+            output=True,
+        )
+        hit = found["primID"] >= 0
+        distances = np.where(hit, found["tfar"].astype(np.float64), np.inf)
+
+        corners = self.faces[np.where(hit, found["primID"], 0)]  # (n, 3)
+        u, v = found["u"].astype(np.float64), found["v"].astype(np.float64)
+        weights = np.where(hit[:, None], np.stack([1.0 - u - v, u, v], axis=1), 0.0)
+        a, b, c = (self.vertices[corners[:, k]] for k in range(3))
+        flat = _unit(np.cross(b - a, c - a))
+        smooth = _unit(np.einsum("nk,nkx->nx", weights, self.vertex_normals[corners]))
+        for spare in (flat, -directions):  # vertices, or a whole face, that define no normal
+            smooth = np.where(smooth.any(axis=1, keepdims=True), smooth, spare)
+        # The side is the face's, not the interpolated normal's, which may tip over at silhouettes.
+        flat *= np.where(np.einsum("nk,nk->n", flat, smooth) < 0.0, -1.0, 1.0)[:, None]
+        behind = np.einsum("nk,nk->n", flat, directions) > 0.0
+        normals = np.where(behind[:, None], -smooth, smooth)
+
+        if self.uv is None:
+            return Hits(distances, normals, np.zeros((len(distances), 2)))
+        return Hits(distances, normals, np.einsum("nk,nkx->nx", weights, self.uv[corners]))
+
+
+def _gather(
+    path: str | Path,
+) -> tuple[FloatArray, npt.NDArray[np.int64], FloatArray | None, FloatArray | None]:
+    """Vertices, faces, normals (if every part has them) and uv (if any has) of all meshes in a file."""
+    import trimesh
+
+    scene: Any = trimesh.load_scene(path, process=False)
+    vertices, faces, normals, uv = [], [], [], []
+    count = 0
+    for node in scene.graph.nodes_geometry:
+        place, name = scene.graph[node]
+        part = scene.geometry[name]
+        if not isinstance(part, trimesh.Trimesh):
+            continue
+        vertices.append(np.asarray(part.vertices, np.float64) @ place[:3, :3].T + place[:3, 3])
+        faces.append(np.asarray(part.faces, np.int64) + count)
+        count += len(part.vertices)
+        if "vertex_normals" in part._cache:  # the file's own; the property would compute some
+            normals.append(np.asarray(part.vertex_normals, np.float64) @ np.linalg.inv(place[:3, :3]))
+        part_uv = getattr(part.visual, "uv", None)
+        uv.append(np.zeros((len(part.vertices), 2)) if part_uv is None else np.asarray(part_uv)[:, :2])
+    if not vertices:
+        raise ValueError("it has no triangles")
+    return (
+        np.concatenate(vertices),
+        np.concatenate(faces),
+        _unit(np.concatenate(normals)) if len(normals) == len(vertices) else None,
+        np.concatenate(uv) if any(part.any() for part in uv) else None,
+    )
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    """Vectors of unit length; zero stays zero."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(vectors / np.where(lengths > 0.0, lengths, 1.0))
+
+
+def _require(name: str, array: FloatArray, shape: tuple[int | None, ...]) -> None:
+    if array.ndim != 2 or any(
+        want not in (None, have) for want, have in zip(shape, array.shape, strict=True)
+    ):
+        text = ", ".join("n" if extent is None else str(extent) for extent in shape)
+        raise ValueError(f"{name} has shape {array.shape}, but needs ({text})")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} has values that are not finite")
+
+
+def _one_line(fault: Exception) -> str:
+    text = " ".join(str(fault).split())
+    return text[:120] or type(fault).__name__

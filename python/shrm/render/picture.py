@@ -1,0 +1,217 @@
+"""The renderer: first hits, reflected radiance, background. No shadows, no interreflection."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.render.camera import Camera, FloatArray, Vector
+from shrm.render.lookup import environment_lookup, texture_lookup
+from shrm.render.shapes import Shape
+
+FloatPixels = npt.NDArray[np.float32]
+
+RAYS_AT_ONCE = 1 << 17  # bounds the memory of a picture of any size
+
+
+class Reflection(Protocol):
+    """A prefiltered material: `shrm.ReflectionMap`, the results of the integrators, or your own."""
+
+    def radiance(
+        self,
+        normals: npt.NDArray[np.float32],
+        views: npt.NDArray[np.float32],
+        tangents: npt.NDArray[np.float32] | None = None,
+    ) -> npt.NDArray[np.float32]:
+        """Reflected radiance (n, 3); all arguments (n, 3) unit vectors, views from surface to eye."""
+        ...
+
+
+class Lighting(Protocol):
+    """What is seen behind the objects: `shrm.Environment`."""
+
+    @property
+    def pixels(self) -> FloatPixels:
+        """Lat-long picture, (H, W, 3) float32."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Object:
+    """A shape with its material.
+
+    Parameters
+    ----------
+    shape : Shape
+    material : Reflection
+    texture : (H, W, 3) float32, optional
+        Linear; multiplies the reflected light [RH02 sec. 9]. (u, v) = (0, 1) is its upper left corner.
+    axis : 3 floats
+        Tangents, which only materials centred on them use, run around this axis.
+    """
+
+    shape: Shape
+    material: Reflection
+    texture: FloatPixels | None = None
+    axis: Vector = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A rendered picture.
+
+    Attributes
+    ----------
+    radiance : (H, W, 3) float32
+        Linear. Without a background, multiplied by the coverage.
+    coverage : (H, W) float32
+        The part of each pixel that objects cover.
+    """
+
+    radiance: FloatPixels
+    coverage: npt.NDArray[np.float32]
+
+
+def render(
+    objects: Sequence[Object],
+    camera: Camera,
+    width: int,
+    height: int,
+    *,
+    background: Lighting | None = None,
+    viewer: Literal["near", "distant"] = "near",
+    samples: int = 2,
+    shading: Literal["sample", "pixel"] = "sample",
+    progress: Callable[[float], None] | None = None,
+) -> Picture:
+    """Render objects lit through their prefiltered materials.
+
+    Parameters
+    ----------
+    objects : sequence of Object
+    camera : Camera
+    width, height : int
+        Extent of the picture in pixels.
+    background : Lighting, optional
+        Environment to show behind the objects; black without one.
+    viewer : "near" or "distant"
+        Whether each pixel has its own view vector or all have the camera's.
+    samples : int
+        samples x samples rays per pixel, averaged.
+    shading : "sample" or "pixel"
+        Whether materials are asked once for each ray, or once for each object in a pixel, at the mean
+        normal: right where shapes and reflections are smooth over a pixel, and samples^2 times faster.
+    progress : callable, optional
+        Called with the part of the work that is done, up to 1.
+
+    Raises
+    ------
+    ValueError
+        If width, height or samples is not positive, or viewer or shading is another word.
+    """
+    for name, value in (("width", width), ("height", height), ("samples", samples)):
+        if value < 1:
+            raise ValueError(f"{name} is {value}, but needs to be at least 1")
+    for name, word, words in (
+        ("viewer", viewer, ("near", "distant")),
+        ("shading", shading, ("sample", "pixel")),
+    ):
+        if word not in words:
+            raise ValueError(f"{name} is {word!r}, but needs to be {words[0]!r} or {words[1]!r}")
+
+    radiance = np.empty((height, width, 3), np.float32)
+    coverage = np.empty((height, width), np.float32)
+    band = max(1, RAYS_AT_ONCE // (width * samples**2))
+    for top in range(0, height, band):
+        bottom = min(top + band, height)
+        rows = (np.arange(top * samples, bottom * samples) + 0.5) / samples
+        columns = (np.arange(width * samples) + 0.5) / samples
+        grid = np.meshgrid(columns, rows)
+        origins, directions = camera.rays(grid[0].ravel(), grid[1].ravel(), width, height)
+        shape = (bottom - top, samples, width, samples)
+        points = np.arange(len(directions))  # where materials are asked
+        if shading == "pixel":
+            pixels = np.arange((bottom - top) * width).reshape(bottom - top, 1, width, 1)
+            points = np.broadcast_to(pixels, shape).ravel()
+        views = np.broadcast_to(-camera.forward, directions.shape) if viewer == "distant" else -directions
+        colours, covered = _trace(objects, origins, directions, views, points, background)
+        radiance[top:bottom] = colours.reshape(*shape, 3).mean(axis=(1, 3))
+        coverage[top:bottom] = covered.reshape(shape).mean(axis=(1, 3))
+        if progress is not None:
+            progress(bottom / height)
+    return Picture(radiance, coverage)
+
+
+def _trace(
+    objects: Sequence[Object],
+    origins: FloatArray,
+    directions: FloatArray,
+    views: FloatArray,
+    points: npt.NDArray[np.intp],
+    background: Lighting | None,
+) -> tuple[FloatPixels, npt.NDArray[np.bool_]]:
+    """Radiance (n, 3) along rays, and whether they hit an object (n,).
+
+    Rays of the same point that hit the same object share one evaluation of its material.
+    """
+    all_hits = [thing.shape.intersect(origins, directions) for thing in objects]
+    nearest = np.full(len(directions), np.inf)
+    first = np.full(len(directions), -1)
+    for index, hits in enumerate(all_hits):
+        closer = hits.distances < nearest
+        nearest[closer], first[closer] = hits.distances[closer], index
+
+    radiance = np.zeros((len(directions), 3), np.float32)
+    missed = first < 0
+    if background is not None and missed.any():
+        radiance[missed] = environment_lookup(background.pixels, directions[missed])
+    for index, (thing, hits) in enumerate(zip(objects, all_hits, strict=True)):
+        seen = np.flatnonzero(first == index)
+        if len(seen):
+            _, point, count = np.unique(points[seen], return_inverse=True, return_counts=True)
+            normals, toward_eye = (_unit(_sums(x[seen], point, len(count))) for x in (hits.normals, views))
+            reflected = thing.material.radiance(
+                _single(normals), _single(toward_eye), tangents=_single(tangents_around(thing.axis, normals))
+            )[point]
+            if thing.texture is not None:
+                reflected = reflected * texture_lookup(thing.texture, hits.uv[seen])
+            radiance[seen] = reflected
+    return radiance, ~missed
+
+
+def _sums(vectors: FloatArray, group: npt.NDArray[np.intp], groups: int) -> FloatArray:
+    """Sums (groups, 3) of the vectors of each group."""
+    return np.stack([np.bincount(group, vectors[:, k], groups) for k in range(3)], axis=1)
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    """Vectors of unit length."""
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+
+
+def tangents_around(axis: Vector, normals: FloatArray) -> FloatArray:
+    """Unit tangents that run around an axis: axis x N; where N is the axis itself, any tangent.
+
+    Parameters
+    ----------
+    axis : 3 floats
+    normals : (n, 3) float64
+
+    Returns
+    -------
+    (n, 3) float64
+    """
+    tangents = np.cross(np.asarray(axis, np.float64), normals)
+    lengths = np.linalg.norm(tangents, axis=1, keepdims=True)
+    least = np.eye(3)[np.abs(normals).argmin(axis=1)]  # the coordinate axis farthest from N
+    spare = np.cross(least, normals)
+    tangents = np.where(lengths > 1e-9, tangents, spare)
+    return _unit(tangents)
+
+
+def _single(vectors: FloatArray) -> npt.NDArray[np.float32]:
+    return np.ascontiguousarray(vectors, np.float32)

@@ -1,0 +1,57 @@
+"""Objects side by side, and a camera that has them all in the picture."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from shrm.render.camera import Camera, Vector
+
+SPACING = 2.3  # between the centres of unit spheres
+MARGIN = 0.25  # around them
+
+
+def row_extent(count: int) -> tuple[float, float]:
+    """Width and height of a row of unit spheres with its margin."""
+    return SPACING * (count - 1) + 2.0 * (1.0 + MARGIN), 2.0 * (1.0 + MARGIN)
+
+
+def row_picture(count: int, diameter: int) -> tuple[int, int]:
+    """Width and height in pixels of a picture of a row, given those across a sphere."""
+    width, height = row_extent(count)
+    return round(width * diameter / 2.0), round(height * diameter / 2.0)
+
+
+def row_camera(
+    count: int, aspect: float, azimuth: float = 0.0, elevation: float = 10.0, fov: float = 30.0
+) -> tuple[Camera, list[Vector]]:
+    """Stand `count` unit spheres in a row through the origin, from left to right in the picture.
+
+    Parameters
+    ----------
+    count : int
+    aspect : float
+        Width over height of the picture.
+    azimuth, elevation : float
+        Degrees: where the camera looks (azimuth 0 is along +x, 90 along +y), and how far down.
+    fov : float
+        Field of view across the wider side, in degrees.
+
+    Returns
+    -------
+    camera : Camera
+    centers : list of count points
+    """
+    phi, down = math.radians(azimuth), math.radians(elevation)
+    forward = np.array([math.cos(phi) * math.cos(down), math.sin(phi) * math.cos(down), -math.sin(down)])
+    right = np.array([math.sin(phi), -math.cos(phi), 0.0])
+    width, height = row_extent(count)
+    reach = math.tan(math.radians(fov) / 2.0)
+    across, upright = reach * min(1.0, aspect), reach * min(1.0, 1.0 / aspect)
+    # 1: perspective magnifies the front of the spheres, which is a radius nearer than their centres.
+    distance = 1.0 + max(width / (2.0 * across), height / (2.0 * upright))
+    x, y, z = (float(coordinate) for coordinate in -distance * forward)
+    camera = Camera((x, y, z), fov=math.degrees(2.0 * math.atan(upright)))
+    offsets = SPACING * (np.arange(count) - (count - 1) / 2.0)
+    return camera, [(float(x), float(y), float(z)) for x, y, z in offsets[:, None] * right]

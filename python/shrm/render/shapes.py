@@ -1,0 +1,72 @@
+"""What the renderer asks of a shape, and the exact sphere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from shrm.render.camera import FloatArray, Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Hits:
+    """Where n rays first meet a shape.
+
+    Attributes
+    ----------
+    distances : (n,) float64
+        Along the ray; infinite where it misses, and there the other arrays mean nothing.
+    normals : (n, 3) float64
+        Unit shading normals, on the side that the ray comes from.
+    uv : (n, 2) float64
+        Texture coordinates, v upwards.
+    """
+
+    distances: FloatArray
+    normals: FloatArray
+    uv: FloatArray
+
+
+class Shape(Protocol):
+    """What the renderer needs of a shape."""
+
+    def intersect(self, origins: FloatArray, directions: FloatArray) -> Hits:
+        """First hits of rays with (n, 3) origins and unit directions."""
+        ...
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """An exact sphere. Texture: the usual map of a globe, u = 1/2 on its +x meridian, east is +u.
+
+    Raises
+    ------
+    ValueError
+        If the radius is not positive.
+    """
+
+    center: Vector = (0.0, 0.0, 0.0)
+    radius: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.radius < np.inf:
+            raise ValueError(f"radius is {self.radius}, but needs to be positive")
+
+    def intersect(self, origins: FloatArray, directions: FloatArray) -> Hits:
+        """First hits of rays with (n, 3) origins and unit directions."""
+        offsets = origins - np.asarray(self.center)
+        nearest = -np.einsum("nk,nk->n", offsets, directions)  # to the point nearest the centre
+        across = offsets + nearest[:, None] * directions
+        half_chord = np.sqrt(np.maximum(self.radius**2 - np.einsum("nk,nk->n", across, across), 0.0))
+        inside = np.einsum("nk,nk->n", offsets, offsets) < self.radius**2
+        distances = np.where(inside, nearest + half_chord, nearest - half_chord)
+        distances = np.where((half_chord > 0.0) & (distances > 0.0), distances, np.inf)
+
+        reached = np.where(np.isfinite(distances), distances, 0.0)[:, None]
+        outward = (offsets + reached * directions) / self.radius
+        u = 0.5 + np.arctan2(outward[:, 1], outward[:, 0]) / (2.0 * np.pi)
+        v = 1.0 - np.arccos(np.clip(outward[:, 2], -1.0, 1.0)) / np.pi
+        normals = np.where(inside[:, None], -outward, outward)
+        return Hits(distances, normals, np.stack([u, v], axis=1))

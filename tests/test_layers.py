@@ -1,0 +1,135 @@
+"""Arrows run one way: the order of modules and of C++ stages, and who may import what.
+
+A module or stage that is not in these lists fails the test: put it where the data flows through it.
+"""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "python" / "shrm"
+
+# Each module may import only those above it; a name stands for a package's whole folder too.
+PYTHON_ORDER = [
+    "_core",
+    "image_io",
+    "environment",
+    "daylight",
+    "brdf",
+    "sh",
+    "orders",
+    "reflection_map",
+    "reference",
+    "transfer",
+    "render",
+    "export",
+    "demo",
+    "cli",
+    "viewer",
+    "__main__",
+]
+
+# Each stage, with its parts, may include only those above it.
+CPP_ORDER = [
+    ["core"],
+    ["layouts", "grid"],
+    ["legendre", "ring_fourier", "sh"],
+    ["wigner"],
+    ["brdf_analysis"],
+    ["reflection_map"],
+    ["angular"],
+    ["hierarchical"],
+    ["transfer"],
+    ["directional_basis"],
+    ["radiance_pca"],
+]
+CPP_STAGE = {part: index for index, parts in enumerate(CPP_ORDER) for part in parts}
+
+# The integrators judge the harmonics, so they may use nothing of them.
+INTEGRATORS = {"angular", "hierarchical"}
+INDEPENDENT = {"core", "layouts", "grid", *INTEGRATORS}
+
+CORE_WRAPPERS = {"image_io", "environment", "sh", "brdf", "orders", "reflection_map", "reference", "transfer"}
+ONLY_IN = {
+    "OpenImageIO": {"image_io"},
+    **{library: {"viewer"} for library in ("moderngl", "glfw", "OpenGL", "slimgui")},
+    **{library: {"render", "transfer"} for library in ("trimesh", "embreex")},
+}
+
+PYTHON_FILES = sorted(PACKAGE.rglob("*.py"))
+CPP_FILES = sorted((ROOT / "cpp" / "shrm").iterdir())
+
+
+def unit_of(path: Path) -> str:
+    """The entry of PYTHON_ORDER that a file of the package belongs to."""
+    first = path.relative_to(PACKAGE).parts[0]
+    return first.removesuffix(".py")
+
+
+def imports(path: Path) -> set[str]:
+    """Absolute dotted names of everything a file imports, inside functions too."""
+    package = ("shrm", *path.relative_to(PACKAGE).parent.parts)
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else ()
+            module = ".".join([*base, *([node.module] if node.module else [])])
+            names.update(f"{module}.{alias.name}" for alias in node.names)
+    return names
+
+
+def own_units(path: Path) -> set[str]:
+    """The units of the package that a file imports."""
+    parts = [name.split(".") for name in imports(path)]
+    return {part[1] for part in parts if part[0] == "shrm" and len(part) > 1 and part[1] in PYTHON_ORDER}
+
+
+def name_of(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("path", PYTHON_FILES, ids=name_of)
+def test_python_arrows_run_one_way(path: Path) -> None:
+    unit = unit_of(path)
+    if unit == "__init__":  # the package's front door shows what lies behind it
+        return
+    assert unit in PYTHON_ORDER, f"{unit} is not in PYTHON_ORDER"
+    later = {other for other in own_units(path) if PYTHON_ORDER.index(other) > PYTHON_ORDER.index(unit)}
+    assert not later, f"{name_of(path)} imports {sorted(later)}, which come after it"
+
+
+@pytest.mark.parametrize("path", PYTHON_FILES, ids=name_of)
+def test_each_library_is_behind_one_module(path: Path) -> None:
+    unit = unit_of(path)
+    assert "_core" not in own_units(path) or unit in CORE_WRAPPERS, f"{name_of(path)} imports _core"
+    for name in {name.split(".")[0] for name in imports(path)}:
+        assert unit in ONLY_IN.get(name, {unit}), f"{name_of(path)} imports {name}: only {ONLY_IN[name]} may"
+
+
+@pytest.mark.parametrize("path", CPP_FILES, ids=name_of)
+def test_cpp_arrows_run_one_way(path: Path) -> None:
+    assert path.stem in CPP_STAGE, f"{path.stem} is not in CPP_ORDER"
+    text = path.read_text()
+    assert not re.search(r"pybind11|Python\.h", text), "the core knows no Python"
+    included = set(re.findall(r'#include\s+[<"](?:shrm/)?(\w+)\.hpp[>"]', text)) & set(CPP_STAGE)
+    later = {part for part in included if CPP_STAGE[part] > CPP_STAGE[path.stem]}
+    assert not later, f"{name_of(path)} includes {sorted(later)}, which come after it"
+    assert path.stem not in INTEGRATORS or included <= INDEPENDENT
+
+
+def test_oracles_share_no_code_with_their_subject() -> None:
+    path = ROOT / "tests" / "oracles.py"
+    if not path.exists():
+        pytest.skip("there are no oracles yet")
+    assert not re.search(r"^\s*(import|from)\s+shrm", path.read_text(), re.MULTILINE)
+
+
+@pytest.mark.parametrize("path", [*PYTHON_FILES, *CPP_FILES], ids=name_of)
+def test_a_file_is_one_idea_with_a_name(path: Path) -> None:
+    assert len(path.read_text().splitlines()) <= 450
+    assert not re.search(r"util|helper|manager|misc|common", path.stem)
