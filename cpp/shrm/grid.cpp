@@ -10,9 +10,8 @@ namespace {
 
 constexpr double most_bend = 1.0 / 256;  // in texels, of a piece of an edge that is taken as straight
 constexpr int most_splits = 6;           // of a texel where the other picture has a seam
-constexpr double accuracy = 5e-5;        // of the marginals: what is enough,
-constexpr int most_rounds = 20;          // how often to try,
-constexpr double relaxation = 1.5;  // and how far to step: beyond 1, errors that span many texels fall faster
+constexpr double accuracy = 5e-5;        // of the marginals that is enough
+constexpr double relaxation = 1.5;       // of the fitting: errors that span many texels fall faster
 
 std::size_t index(int i, int j, int width) {
     return static_cast<std::size_t>(i) * static_cast<std::size_t>(width) + static_cast<std::size_t>(j);
@@ -254,7 +253,8 @@ Conversion::Conversion(const Picture& source, const Picture& target, const glm::
     source_scale_.assign(source_areas.size(), 1);
     target_scale_.assign(target_areas.size(), 1);
     std::vector<double> sums(source_areas.size());
-    for (int round = 0;; ++round) {
+    const std::size_t most_rounds = 20 + 500'000 / (source_areas.size() + target_areas.size());
+    for (std::size_t round = 0;; ++round) {
         multiply(source_smaller_, target_smaller_, target_scale_, sums);
         residual_ = 0;
         for (std::size_t i = 0; i < sums.size(); ++i)
