@@ -232,18 +232,20 @@ def test_conversion_puts_light_where_it_belongs(layout: str) -> None:
     """The mean direction of a sun's light is the same in both pictures."""
     h, w = PICTURES["latlong"]
     shape = layouts.shape(layout, 2 * layouts.size_like(layout, "latlong", h, w))
-    for place in PLACES[-10:]:
-        pixels = np.zeros((h, w, 1), dtype=np.float32)
-        sun("latlong", place, math.radians(15), pixels[..., 0])
-        result = layouts.convert(pixels, "latlong", layout, shape)
+    pixels = np.zeros((h, w, len(PLACES)), dtype=np.float32)
+    for k, place in enumerate(PLACES):
+        sun("latlong", place, math.radians(15), pixels[..., k])
+    result = layouts.convert(pixels, "latlong", layout, shape)
 
-        def mean(name: str, picture: npt.NDArray[np.float32]) -> Array:
-            d = np.nan_to_num(layouts.directions(name, *picture.shape[:2]))
-            areas = layouts.solid_angles(name, *picture.shape[:2])
-            total = np.einsum("ij,ij,ijk->k", areas, picture[..., 0], d)
-            return np.asarray(total / np.linalg.norm(total))
+    def mean(name: str, picture: npt.NDArray[np.float32]) -> Array:
+        d = np.nan_to_num(layouts.directions(name, *picture.shape[:2]))
+        areas = layouts.solid_angles(name, *picture.shape[:2])
+        total = np.einsum("ij,ijc,ijk->ck", areas, picture, d, optimize=True)
+        return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
 
-        assert mean(layout, result) == pytest.approx(mean("latlong", pixels), abs=math.radians(0.5))
+    # a tenth of a texel; at the mirror ball's rim, which is one direction, texels are much longer
+    bound = math.radians(5.0 if layout == "mirror-ball" else 0.75)
+    assert mean(layout, result) == pytest.approx(mean("latlong", pixels), abs=bound)
 
 
 def test_rotation_keeps_energy_and_moves_the_mean() -> None:

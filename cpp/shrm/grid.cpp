@@ -216,7 +216,7 @@ void multiply(const std::vector<OverlapRow>& own, const std::vector<OverlapRow>&
               const std::vector<double>& values, std::vector<double>& sums) {
     const std::size_t width = sums.size() / own.size(), other_width = values.size() / other.size();
     const auto rows = static_cast<std::ptrdiff_t>(own.size());
-#pragma omp parallel for
+#pragma omp parallel for if (sums.size() > 20'000)
     for (std::ptrdiff_t i = 0; i < rows; ++i) {
         const auto& row = own[static_cast<std::size_t>(i)];
         for (std::size_t j = 0; j < width; ++j) {
