@@ -52,7 +52,9 @@ def test_small_files(tmp_path: Path, suffix: str) -> None:
     for _ in range(800):
         damaged = bytearray(whole)
         # most of the damage where the header is
-        for at in rng.integers(0, len(whole) if rng.random() < 0.3 else min(400, len(whole)), rng.integers(1, 6)):
+        for at in rng.integers(
+            0, len(whole) if rng.random() < 0.3 else min(400, len(whole)), rng.integers(1, 6)
+        ):
             damaged[at] = rng.integers(0, 256)
         path.write_bytes(damaged)
         read_or_fail_in_one_line(path)

@@ -28,7 +28,9 @@ def write_raw(path: Path, array: npt.NDArray[np.generic], **attributes: object) 
     for name, value in attributes.items():
         if isinstance(value, tuple):
             semantics = oiio.VECSEMANTICS.NOSEMANTICS
-            spec.attribute(name, oiio.TypeDesc(oiio.FLOAT, oiio.AGGREGATE.SCALAR, semantics, len(value)), value)
+            spec.attribute(
+                name, oiio.TypeDesc(oiio.FLOAT, oiio.AGGREGATE.SCALAR, semantics, len(value)), value
+            )
         else:
             spec.attribute(name, value)
     out = oiio.ImageOutput.create(str(path))
@@ -62,12 +64,17 @@ def test_exr_keeps_metadata(tmp_path: Path, pixels: Pixels) -> None:
     metadata = {"text": "z up", "count": 3, "ratio": 0.5, "table": [1.0, 2.5, 3.0, 4.0, 5.0]}
     image_io.write_image(tmp_path / "a.exr", pixels, metadata=metadata)
     read = image_io.read_image(tmp_path / "a.exr").metadata
-    assert {name: read[name] for name in ("text", "count", "ratio")} == {k: metadata[k] for k in ("text", "count", "ratio")}
+    assert {name: read[name] for name in ("text", "count", "ratio")} == {
+        k: metadata[k] for k in ("text", "count", "ratio")
+    }
     assert list(read["table"]) == metadata["table"]
 
 
 def test_exr_envmap_attribute(tmp_path: Path, pixels: Pixels) -> None:
-    for says, layout in (("LatLong Environment", "openexr-latlong"), ("CubeFace Environment", "openexr-cube")):
+    for says, layout in (
+        ("LatLong Environment", "openexr-latlong"),
+        ("CubeFace Environment", "openexr-cube"),
+    ):
         image_io.write_image(tmp_path / "a.exr", pixels, metadata={"textureformat": says})
         assert image_io.read_image(tmp_path / "a.exr").layout == layout
     image_io.write_image(tmp_path / "a.exr", pixels)
@@ -77,7 +84,9 @@ def test_exr_envmap_attribute(tmp_path: Path, pixels: Pixels) -> None:
 def test_parts_round_trip(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     parts = [
-        Part("maps", rng.normal(size=(4, 6, 12)).astype(np.float32), [f"p{k}.R" for k in range(12)], {"F": 3}),
+        Part(
+            "maps", rng.normal(size=(4, 6, 12)).astype(np.float32), [f"p{k}.R" for k in range(12)], {"F": 3}
+        ),
         Part("table", rng.normal(size=(1, 9, 1)).astype(np.float32), ["gamma"], {"note": '{"a": 1}'}),
     ]
     image_io.write_parts(tmp_path / "a.exr", parts)
@@ -96,7 +105,9 @@ def test_of_several_parts_the_first_is_read(tmp_path: Path, pixels: Pixels) -> N
 
 def test_grey_becomes_rgb(tmp_path: Path, pixels: Pixels) -> None:
     write_raw(tmp_path / "a.exr", np.ascontiguousarray(pixels[..., :1]))
-    assert np.array_equal(image_io.read_image(tmp_path / "a.exr").pixels, np.repeat(pixels[..., :1], 3, axis=2))
+    assert np.array_equal(
+        image_io.read_image(tmp_path / "a.exr").pixels, np.repeat(pixels[..., :1], 3, axis=2)
+    )
 
 
 def test_alpha_is_dropped_and_said(tmp_path: Path, pixels: Pixels) -> None:
@@ -143,7 +154,9 @@ def test_orientation(tmp_path: Path, pixels: Pixels) -> None:
 def test_not_finite_is_refused_with_its_place(tmp_path: Path, pixels: Pixels) -> None:
     pixels[2, 3, 1], pixels[4, 5] = np.nan, np.inf
     write_raw(tmp_path / "a.exr", pixels)
-    with pytest.raises(ImageError, match=r"a\.exr: 2 texels are NaN or infinite, the first at row 2, column 3"):
+    with pytest.raises(
+        ImageError, match=r"a\.exr: 2 texels are NaN or infinite, the first at row 2, column 3"
+    ):
         image_io.read_image(tmp_path / "a.exr")
 
 

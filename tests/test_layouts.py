@@ -257,7 +257,9 @@ def test_rotation_keeps_energy_and_moves_the_mean() -> None:
     result = layouts.convert(pixels, "latlong", "latlong", (h, w), R)
     areas, d = layouts.solid_angles("latlong", h, w), layouts.directions("latlong", h, w)
     before, after = (np.einsum("ij,ijc,ijk->ck", areas, p, d) for p in (pixels, result))
-    assert np.einsum("ij,ijc->c", areas, result) == pytest.approx(np.einsum("ij,ijc->c", areas, pixels), rel=1e-3)
+    assert np.einsum("ij,ijc->c", areas, result) == pytest.approx(
+        np.einsum("ij,ijc->c", areas, pixels), rel=1e-3
+    )
     after /= np.linalg.norm(after, axis=1, keepdims=True)
     before /= np.linalg.norm(before, axis=1, keepdims=True)
     assert after == pytest.approx(before @ R.T, abs=math.radians(1))
@@ -296,7 +298,9 @@ def test_unknown_aspect_and_names_are_refused() -> None:
         layouts.shape("sphere", 4)
     with pytest.raises(ValueError, match="size must be at least 2"):
         layouts.shape("angular", 1)
-    with pytest.raises(ValueError, match="a picture of layout strip is n x 6n or 6n x n, but this one is 4 x 5"):
+    with pytest.raises(
+        ValueError, match="a picture of layout strip is n x 6n or 6n x n, but this one is 4 x 5"
+    ):
         layouts.solid_angles("strip", 4, 5)
 
 
