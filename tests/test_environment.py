@@ -134,7 +134,7 @@ def test_six_faces_by_folder_and_by_pattern(tmp_path: Path, names: str) -> None:
 
 
 def test_faces_must_be_squares_of_one_size(tmp_path: Path) -> None:
-    for k, name in enumerate("px nx py ny pz nz".split()):
+    for k, name in enumerate(["px", "nx", "py", "ny", "pz", "nz"]):
         image_io.write_image(tmp_path / f"{name}.exr", np.ones((4, 4 + (k == 3), 3), np.float32))
     with pytest.raises(ImageError, match="squares of one size, but are 4 x 4, 4 x 4, 4 x 4, 5 x 4"):
         Environment.read(tmp_path)

