@@ -13,8 +13,8 @@ import numpy.typing as npt
 from shrm.brdf import parse
 from shrm.environment import Environment
 from shrm.image_io import write_image
+from shrm.prefilter import prefilter
 from shrm.reference import prefilter_angular
-from shrm.reflection_map import prefilter
 from shrm.render import (
     Object,
     Picture,
@@ -39,6 +39,8 @@ MATERIALS = {
 """From Lambert to near-mirror, in the words of `shrm.brdf.parse`."""
 
 AMPLIFIED = 16
+SUN_AZIMUTH = 130.0  # over the left shoulder of the camera, which looks along +x
+ROWS = 128  # of the environment: integration by the million pixels takes seconds at this size, not minutes
 FRAMES = 2000  # random frames (N, V) that the measured error is taken over
 
 
@@ -55,7 +57,7 @@ class Result:
 
 
 def make_demo(
-    folder: Path, diameter: int = 256, progress: Callable[[float], None] | None = None
+    folder: Path, diameter: int = 144, progress: Callable[[float], None] | None = None
 ) -> list[Result]:
     """Write the pictures and the maps of the demonstration.
 
@@ -81,7 +83,7 @@ def make_demo(
     """
     folder.mkdir(parents=True, exist_ok=True)
     say = progress or (lambda done: None)
-    env = Environment.daylight()
+    env = Environment.daylight(sun_azimuth=SUN_AZIMUTH, size=ROWS)
 
     frequency: list[Reflection] = []
     integrated: list[Reflection] = []
@@ -91,7 +93,7 @@ def make_demo(
         start = time.perf_counter()
         rm = prefilter(env, brdf)
         milliseconds = 1e3 * (time.perf_counter() - start)
-        rm.save(folder / f"{name}.exr")
+        # rm.save(folder / f"{name}.exr")
         reference = prefilter_angular(env, brdf)
         measured = relative_rms(rm, reference, about_tangent=brdf.frame == "tangent")
         results.append(Result(f"{name}: {text}", rm.F, rm.P, rm.error, measured, milliseconds))
@@ -117,7 +119,9 @@ def draw(
     width, height = row_picture(len(materials), diameter)
     camera, centers = row_camera(len(materials), width / height, elevation=3.0, fov=40.0)
     objects = [Object(Sphere(center), material) for center, material in zip(centers, materials, strict=True)]
-    return render(objects, camera, width, height, background=env, progress=progress)
+    return render(
+        objects, camera, width, height, background=env, samples=3, shading="pixel", progress=progress
+    )
 
 
 def relative_rms(a: Reflection, b: Reflection, about_tangent: bool) -> float:

@@ -26,7 +26,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="folder to write (default demo)",
     )
     command.add_argument(
-        "--size", type=whole, default=256, metavar="N", help="pixels across a sphere (default 256)"
+        "--size", type=whole, default=144, metavar="N", help="pixels across a sphere (default 144)"
     )
 
 

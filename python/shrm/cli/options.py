@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from shrm import Environment
     from shrm.brdf import BRDF
+    from shrm.environment import Environment
+
+DAYLIGHT_AZIMUTH = 130.0  # the sun stands over the left shoulder of a camera that looks along +x
 
 LAYOUTS = (
     "latlong",
+    "openexr-latlong",
     "vertical-cross",
     "horizontal-cross",
     "strip",
@@ -52,10 +56,10 @@ def add_environment(
 
 def read_environment(options: argparse.Namespace) -> Environment:
     """Read what `add_environment` asked for."""
-    from shrm import Environment
+    from shrm.environment import Environment
 
     if options.env == "daylight":
-        return Environment.daylight()
+        return Environment.daylight(sun_azimuth=DAYLIGHT_AZIMUTH)
     return Environment.read(options.env, layout=options.env_layout, repair=options.repair)
 
 
@@ -157,17 +161,13 @@ def view(text: str) -> tuple[float, float]:
     return azimuth, elevation
 
 
-def picture_file(text: str) -> Path:
-    """A .png or .exr file to write."""
-    path = Path(text)
-    if path.suffix.lower() not in (".png", ".exr"):
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name that ends in .png or .exr")
-    return path
+def file_of(*suffixes: str) -> Callable[[str], Path]:
+    """Return the reader of a file's name that ends in one of the suffixes."""
 
+    def read(text: str) -> Path:
+        path = Path(text)
+        if path.suffix.lower() not in suffixes:
+            raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name in {' or '.join(suffixes)}")
+        return path
 
-def exr_file(text: str) -> Path:
-    """An .exr file to write."""
-    path = Path(text)
-    if path.suffix.lower() != ".exr":
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name that ends in .exr")
-    return path
+    return read
