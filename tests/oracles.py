@@ -113,7 +113,7 @@ def euler_zyz(R: Array) -> tuple[float, float, float]:
     """Angles with R = R_z(a) R_y(b) R_z(c)."""
     b = np.arctan2(np.hypot(R[0, 2], R[1, 2]), R[2, 2])
     if np.hypot(R[0, 2], R[1, 2]) < 1e-12:
-        return float(np.arctan2(R[1, 0], R[1, 1])), float(b), 0.0
+        return float(np.arctan2(-R[0, 1], R[1, 1])), float(b), 0.0
     return float(np.arctan2(R[1, 2], R[0, 2])), float(b), float(np.arctan2(R[2, 1], -R[2, 0]))
 
 

@@ -95,8 +95,8 @@ Array<float> zonal(const Array<float>& planes, int subsamples, const Array<float
 }
 
 Array<float> isotropic(const Array<float>& planes, int subsamples, const Array<float>& envelope,
-                       const Array<float>& ratio, const Array<double>& caps, double horizon,
-                       const Array<double>& normals, const Array<double>& views) {
+                       const Array<float>& ratio, const Array<double>& caps, const Array<double>& normals,
+                       const Array<double>& views) {
     const auto picture = picture_of(planes, subsamples);
     require_shape(envelope, "envelope", {any});
     require_shape(ratio, "ratio", {any, any, any, any});
@@ -104,7 +104,6 @@ Array<float> isotropic(const Array<float>& planes, int subsamples, const Array<f
     require_shape(caps, "caps", {ratio.shape(0), 2});
     if (extent(envelope, 0) < 3 || extent(ratio, 0) < 2 || extent(ratio, 2) < 3 || extent(ratio, 3) < 3)
         throw py::value_error("envelope and ratio need at least one interval along each axis");
-    if (horizon != 0 && horizon != -1) throw py::value_error("horizon must be 0 or -1");
     const auto n = directions(normals, "normals"), v = directions(views, "views");
     require_shape(views, "views", {normals.shape(0), 3});
     std::vector<angular::IsotropicTable::Cap> ranges;
@@ -116,8 +115,7 @@ Array<float> isotropic(const Array<float>& planes, int subsamples, const Array<f
                                            extent(envelope, 0) - 2,
                                            extent(ratio, 0) - 1,
                                            extent(ratio, 2) - 2,
-                                           extent(ratio, 3) - 2,
-                                           horizon};
+                                           extent(ratio, 3) - 2};
     Array<float> out = allocate<float>({normals.shape(0), 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
     {
@@ -141,8 +139,7 @@ void bind_angular(py::module_& module) {
                py::arg("theta_o").noconvert());
     module.def("angular_isotropic", isotropic, py::kw_only(), py::arg("planes").noconvert(),
                py::arg("subsamples"), py::arg("envelope").noconvert(), py::arg("ratio").noconvert(),
-               py::arg("caps").noconvert(), py::arg("horizon"), py::arg("normals").noconvert(),
-               py::arg("views").noconvert());
+               py::arg("caps").noconvert(), py::arg("normals").noconvert(), py::arg("views").noconvert());
 }
 
 }  // namespace shrm::bindings

@@ -355,7 +355,7 @@ SHRM_INLINE void mix_rows(const float* __restrict table, std::size_t n, int from
 // A light at (x, y, z) about the normal, the view at (view.x, 0, view.z): the cell of the
 // ratio's table, the place in it, and the envelope times the solid angle, zero below the horizon.
 struct Lookup {
-    float view_x, view_z, horizon, per_range;
+    float view_x, view_z;
     float envelope_intervals, light_intervals, azimuth_intervals;
     int row;  // length of a row of the slice
 };
@@ -368,7 +368,7 @@ SHRM_INLINE void look_up(const Lookup& table, const float* __restrict envelope, 
     for (int j = 0; j < n; ++j) {
         const float x = sin_theta * X[j] + rest[0], y = sin_theta * Y[j] + rest[1],
                     z0 = sin_theta * Z[j] + rest[2];
-        float z = z0 > table.horizon ? z0 : table.horizon;
+        float z = z0 > 0.0f ? z0 : 0.0f;
         z = z < 1.0f ? z : 1.0f;
         const float hx = x + table.view_x, hz = z + table.view_z;
         const float across = hx * hx + y * y;
@@ -378,13 +378,13 @@ SHRM_INLINE void look_up(const Lookup& table, const float* __restrict envelope, 
         const int ke = static_cast<int>(xe);
         const float e = envelope[ke] + (xe - static_cast<float>(ke)) * (envelope[ke + 1] - envelope[ke]);
 
-        const float xl = table.light_intervals * std::sqrt((1.0f - z) * table.per_range);
+        const float xl = table.light_intervals * std::sqrt(1.0f - std::sqrt(z));
         const float xa = table.azimuth_intervals * (0.5f - 0.5f * x / (std::abs(x) + std::abs(y) + tiny));
         const int kl = static_cast<int>(xl), ka = static_cast<int>(xa);
         cell[j] = kl * table.row + ka;
         t_light[j] = xl - static_cast<float>(kl);
         t_azimuth[j] = xa - static_cast<float>(ka);
-        scale[j] = z0 > table.horizon || table.horizon < 0 ? solid_angle * e : 0.0f;
+        scale[j] = z0 > 0.0f ? solid_angle * e : 0.0f;
     }
 }
 
@@ -402,7 +402,7 @@ SHRM_INLINE void add_ratio(float* __restrict weight, const float* __restrict sli
 SHRM_CLONES void isotropic_query(const Nodes& nodes, const Planes& planes, const IsotropicTable& table,
                                  const glm::dvec3& n, const glm::dvec3& v, Scratch& s, float* out) {
     // The frame of the normal: the view in the plane of x and z.
-    const double cos_v = std::clamp(glm::dot(n, v), std::max(table.horizon, -1.0), 1.0);
+    const double cos_v = std::clamp(glm::dot(n, v), 0.0, 1.0);
     const glm::dvec3 across = v - glm::dot(n, v) * n;
     const glm::dvec3 other = std::abs(n.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
     const glm::dvec3 x_axis =
@@ -410,7 +410,7 @@ SHRM_CLONES void isotropic_query(const Nodes& nodes, const Planes& planes, const
     const glm::dvec3 y_axis = glm::cross(n, x_axis);
 
     // The table at this view.
-    const double range = 1 - table.horizon, place = table.view_intervals * std::sqrt((1 - cos_v) / range);
+    const double place = table.view_intervals * (1 - std::sqrt(std::asin(cos_v) * 2 / pi));
     const int from = std::min(static_cast<int>(place), table.view_intervals - 1);
     const double t = place - from;
     const int row = table.azimuth_intervals + 2;
@@ -425,9 +425,8 @@ SHRM_CLONES void isotropic_query(const Nodes& nodes, const Planes& planes, const
     const double offset = low.centre + t * (high.centre - low.centre);
     double outer = std::max(low.outer, high.outer);
     glm::dvec3 axis = std::cos(offset) * n - std::sin(offset) * x_axis;
-    const double whole = table.horizon < 0 ? pi : pi / 2;
-    if (outer >= whole) {
-        outer = whole;
+    if (outer >= pi / 2) {
+        outer = pi / 2;
         axis = n;
     }
     const Centre centre(axis);
@@ -445,8 +444,6 @@ SHRM_CLONES void isotropic_query(const Nodes& nodes, const Planes& planes, const
 
     const Lookup lookup = {static_cast<float>(std::sqrt(std::max(0.0, 1 - cos_v * cos_v))),
                            static_cast<float>(cos_v),
-                           static_cast<float>(table.horizon),
-                           static_cast<float>(1 / range),
                            static_cast<float>(table.envelope_intervals),
                            static_cast<float>(table.light_intervals),
                            static_cast<float>(table.azimuth_intervals),

@@ -64,11 +64,10 @@ struct ZonalProfiles {
 
 // envelope  E at tan(theta_h / 2) = k / envelope_intervals: [envelope_intervals + 2]
 // ratio     rho_hat / E: [view][channel][light_intervals + 2][azimuth_intervals + 2]
-//           view and light: sqrt((1 - cos theta) / (1 - horizon)) uniform in [0, 1]
+//           view: 1 - sqrt(1 - theta_v 2/pi), light: sqrt(1 - sqrt(N.L)), uniform in [0, 1]
 //           azimuth of the light from the view: (1 - x / (|x| + |y|)) / 2 uniform in [0, 1]
 // caps      for each view node: the lobe's centre as an angle from the normal, away from the view,
 //           and the angle about it that is integrated
-// horizon   the smallest cosine of the light: 0, or -1 where there is no horizon
 struct IsotropicTable {
     struct Cap {
         double centre;
@@ -82,7 +81,6 @@ struct IsotropicTable {
     int view_intervals;
     int light_intervals;
     int azimuth_intervals;
-    double horizon;
 };
 
 // Reflected radiance for each centre, out [query][3].

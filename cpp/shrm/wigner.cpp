@@ -45,7 +45,7 @@ double WignerRecurrence::start(double cos_half, double sin_half) const {
 EulerAngles euler_angles(const glm::dmat3& R) {  // glm: R[column][row]
     const double sine = std::hypot(R[2][0], R[2][1]);
     if (sine < 1e-12)  // about z, or z turned over: only one angle is determined
-        return {std::atan2(R[0][1], R[0][0]) + (R[2][2] < 0 ? pi : 0), R[2][2] < 0 ? pi : 0, 0};
+        return {std::atan2(-R[1][0], R[1][1]), R[2][2] < 0 ? pi : 0, 0};
     return {std::atan2(R[2][1], R[2][0]), std::atan2(sine, R[2][2]), std::atan2(R[1][2], -R[0][2])};
 }
 

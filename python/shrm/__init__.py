@@ -1,5 +1,35 @@
-"""shrm: frequency-space environment map rendering."""
+"""shrm: frequency-space environment map rendering.
 
-from . import brdf
+An environment map and a material become a spherical harmonic reflection map, from which any object can be
+rendered in real time:
 
-__all__ = ["brdf"]
+>>> import shrm
+>>> env = shrm.Environment.daylight()
+>>> rm = shrm.prefilter(env, shrm.brdf.GGX(0.3), tolerance=0.05)
+>>> radiance = rm.radiance([[0.0, 0.0, 1.0]], [0.6, 0.0, 0.8])
+
+The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `orders`, `prefiltering`,
+`reflection_map`, `explicit`, `reference`, `render`.
+"""
+
+from shrm import brdf, explicit, orders, sh
+from shrm.environment import Environment
+from shrm.image_io import ImageError, ImageWarning
+from shrm.orders import ToleranceWarning
+from shrm.prefiltering import prefilter
+from shrm.reflection_map import ReflectionMap
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Environment",
+    "ImageError",
+    "ImageWarning",
+    "ReflectionMap",
+    "ToleranceWarning",
+    "brdf",
+    "explicit",
+    "orders",
+    "prefilter",
+    "sh",
+]

@@ -68,8 +68,11 @@ class LightPower:
     def of(cls, env: Environment, L: int) -> LightPower:
         """Measure an environment to degree L; the rest by Parseval's theorem."""
         power = degree_power(env.coefficients(L))
-        total = env.energy()
-        return cls(power, np.maximum(total - power.sum(axis=0), 0.0))
+        H, W, _ = env.pixels.shape
+        rows = np.einsum("hwc,hwc->hc", env.pixels, env.pixels, dtype=np.float64)
+        edges = np.cos(np.pi * np.arange(H + 1) / H)
+        energy = 2 * np.pi / W * (edges[:-1] - edges[1:]) @ rows
+        return cls(power, np.maximum(energy - power.sum(axis=0), 0.0))
 
     @classmethod
     def natural(cls, L: int, slope: float = 0.35) -> LightPower:

@@ -1,0 +1,363 @@
+"""The environment: light from every direction of a distant sphere.
+
+References
+----------
+.. [RH01] R. Ramamoorthi, P. Hanrahan. An Efficient Representation for Irradiance Environment Maps.
+   SIGGRAPH 2001.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core, daylight, image_io, layouts
+
+__all__ = ["Environment"]
+
+# The names of a cube's faces in files, in the order +X -X +Y -Y +Z -Z of OpenGL.
+_FACE_NAMES = (
+    ("px", "nx", "py", "ny", "pz", "nz"),
+    ("posx", "negx", "posy", "negy", "posz", "negz"),
+    ("right", "left", "top", "bottom", "front", "back"),
+    ("rt", "lf", "up", "dn", "ft", "bk"),
+)
+
+
+class Environment:
+    """Radiance from every direction, as a lat-long picture.
+
+    The centre of the picture looks along +x, +y is a quarter of the width to the left, the top row is +z.
+
+    Parameters
+    ----------
+    pixels : (H, W, 3) floating-point array
+        Linear Rec. 709 radiance, finite, H >= 2 and W >= 4; W = 2 H is usual but not needed. Black and
+        negative values are allowed. Kept as float32.
+
+    Raises
+    ------
+    TypeError
+        pixels is not an array of floating-point numbers.
+    ValueError
+        It has another shape, or texels that are NaN or infinite (in float32).
+
+    Examples
+    --------
+    >>> env = Environment.daylight(sun_elevation=30.0)
+    >>> env.pixels.shape
+    (512, 1024, 3)
+    """
+
+    def __init__(self, pixels: npt.NDArray[np.floating]) -> None:
+        if not isinstance(pixels, np.ndarray) or not np.issubdtype(pixels.dtype, np.floating):
+            kind = pixels.dtype if isinstance(pixels, np.ndarray) else type(pixels).__name__
+            raise TypeError(f"pixels must be an array of floating-point numbers, but is {kind}")
+        if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.shape[0] < 2 or pixels.shape[1] < 4:
+            raise ValueError(
+                f"pixels must have shape (H, W, 3) with H >= 2 and W >= 4, but have {pixels.shape}"
+            )
+        with np.errstate(over="ignore"):
+            values = np.ascontiguousarray(pixels, dtype=np.float32)
+        bad = ~np.isfinite(values).all(axis=2)
+        if bad.any():
+            row, column = np.argwhere(bad)[0]
+            count = np.count_nonzero(bad)
+            raise ValueError(
+                f"pixels has {count} texels that are NaN or infinite, the first at row {row}, column {column}"
+            )
+        self._pixels = values.view()
+        self._pixels.flags.writeable = False
+        self._coefficients: npt.NDArray[np.float64] | None = None
+
+    @property
+    def pixels(self) -> npt.NDArray[np.float32]:
+        """The (H, W, 3) float32 lat-long picture, read-only."""
+        return self._pixels
+
+    @classmethod
+    def read(
+        cls,
+        path: image_io.PathLike,
+        layout: str | None = None,
+        *,
+        repair: bool = False,
+        max_bytes: int = image_io.DEFAULT_MAX_BYTES,
+    ) -> Environment:
+        """Read an environment in any layout and convert it, area-exactly, to a lat-long picture.
+
+        Parameters
+        ----------
+        path : path
+            A picture; for six faces, a folder of them or a pattern with ``{}`` for the face's name
+            (px nx py ny pz nz, posx ..., right left top bottom front back, rt lf up dn ft bk).
+        layout : str, optional
+            One of `shrm.layouts.LAYOUTS`; by default what the file says (OpenEXR's `envmap` attribute) or
+            its aspect suggests, see `shrm.layouts.recognise`.
+        repair : bool
+            Replace NaN and infinite texels by their neighbours instead of refusing them.
+        max_bytes : int
+            The largest decoded picture that is read.
+
+        Raises
+        ------
+        ImageError
+            A ValueError of one line that names the file and what is wrong with it. What is merely changed
+            is said by an `ImageWarning`.
+        ValueError
+            layout is not a known name.
+        """
+        if layout is not None:
+            layouts.check(layout)
+        try:
+            if layout == "faces" or Path(path).is_dir() or (layout is None and "{}" in str(path)):
+                pixels, layout = _read_faces(Path(path), repair, max_bytes), "faces"
+            else:
+                image = image_io.read_image(path, repair=repair, max_bytes=max_bytes)
+                pixels = image.pixels
+                if min(pixels.shape[:2]) < 2:
+                    size = f"{pixels.shape[1]} x {pixels.shape[0]}"
+                    raise image_io.ImageError(
+                        f"{path}: a picture of {size} is too small to be an environment"
+                    )
+                layout = layout or layouts.recognise(*pixels.shape[:2], image.layout)
+            height, width = pixels.shape[:2]
+            if layout == "latlong":
+                return cls(pixels)
+            rows = layouts.size_like("latlong", layout, height, width)
+            return cls(layouts.convert(pixels, layout, "latlong", rows))
+        except image_io.ImageError:
+            raise
+        except ValueError as error:
+            raise image_io.ImageError(f"{path}: {error}") from None
+
+    def write(self, path: image_io.PathLike, layout: str = "latlong", size: int | None = None) -> None:
+        """Write the environment as a picture in any layout.
+
+        Parameters
+        ----------
+        path : path
+            ``.exr`` (float32), ``.hdr`` (0.4% per value), ``.pfm`` or ``.tif``. For ``faces``, ``{}`` stands for
+            px nx py ny pz nz; without it they follow the name (``sky.exr``: ``sky_px.exr``, ...).
+        layout : str
+            One of `shrm.layouts.LAYOUTS`.
+        size : int, optional
+            See `picture`.
+        """
+        path = Path(path)
+        picture = self.picture(layout, size)
+        if layout == "faces":
+            pattern = (
+                str(path) if "{}" in path.name else str(path.with_name(f"{path.stem}_{{}}{path.suffix}"))
+            )
+            for name, face in zip(_FACE_NAMES[0], picture, strict=True):
+                image_io.write_image(pattern.replace("{}", name), np.ascontiguousarray(face))
+            return
+        says = {"openexr-latlong": "LatLong Environment", "openexr-cube": "CubeFace Environment"}
+        metadata = {"textureformat": says[layout]} if layout in says else {}
+        image_io.write_image(path, picture, metadata=metadata)
+
+    def picture(self, layout: str, size: int | None = None) -> npt.NDArray[np.float32]:
+        """Return the environment in another layout, converted area-exactly.
+
+        Parameters
+        ----------
+        layout : str
+            One of `shrm.layouts.LAYOUTS`.
+        size : int, optional
+            Rows of a lat-long picture, or the edge of a cube's face, of a disc, or of the octahedron's
+            square; by default what keeps the detail.
+
+        Returns
+        -------
+        (H', W', 3) float32; (6, n, n, 3) for ``faces``
+            0 where the layout is empty.
+        """
+        height, width = self._pixels.shape[:2]
+        if size is None:
+            size = layouts.size_like(layout, "latlong", height, width)
+            shape = (height, width) if layout == "latlong" else layouts.shape(layout, size)
+        else:
+            shape = layouts.shape(layout, size)
+        result = layouts.convert(self._pixels, "latlong", layout, shape)
+        return result.reshape(6, shape[1], shape[1], 3) if layout == "faces" else result
+
+    def rotated(self, R: npt.ArrayLike) -> Environment:
+        """Return the environment turned by R: L'(w) = L(R^T w), area-exactly.
+
+        Parameters
+        ----------
+        R : (3, 3) array
+            A rotation: R^T R = 1 and det R = 1, to 1e-6.
+
+        Raises
+        ------
+        ValueError
+            R is none.
+        """
+        rotation = np.asarray(R, dtype=np.float64)
+        if rotation.shape != (3, 3):
+            raise ValueError(f"R must have shape (3, 3), but has {rotation.shape}")
+        if (
+            not np.allclose(rotation.T @ rotation, np.eye(3), rtol=0, atol=1e-6)
+            or np.linalg.det(rotation) < 0
+        ):
+            raise ValueError(
+                "R must be a rotation: its transpose times itself must be 1, and its determinant 1"
+            )
+        shape = (self._pixels.shape[0], self._pixels.shape[1])
+        return Environment(layouts.convert(self._pixels, "latlong", "latlong", shape, rotation))
+
+    def resized(self, H: int, W: int) -> Environment:
+        """Return the environment as H x W texels, H >= 2 and W >= 4, area-exactly."""
+        if H < 2 or W < 4:
+            raise ValueError(f"H must be at least 2 and W at least 4, but they are {H} and {W}")
+        return Environment(layouts.convert(self._pixels, "latlong", "latlong", (int(H), int(W))))
+
+    def coefficients(self, F: int) -> npt.NDArray[np.float64]:
+        """Return the spherical harmonic coefficients of the radiance, texels taken as areas.
+
+        Parameters
+        ----------
+        F : int
+            The largest degree, >= 0.
+
+        Returns
+        -------
+        ((F+1)^2, 3) float64
+            In the real basis at index l (l + 1) + m.
+        """
+        if F < 0:
+            raise ValueError(f"F must be at least 0, but is {F}")
+        count = (int(F) + 1) ** 2
+        if self._coefficients is None or len(self._coefficients) < count:
+            self._coefficients = _core.analysis(self._pixels, int(F), areas=True)
+        result: npt.NDArray[np.float64] = self._coefficients[:count].copy()
+        return result
+
+    def irradiance(self, normals: npt.ArrayLike) -> npt.NDArray[np.float32]:
+        """Return the irradiance by the nine-term formula, accurate to a few per cent [RH01].
+
+        Parameters
+        ----------
+        normals : (n, 3) array
+            Unit vectors, to 1e-3.
+
+        Returns
+        -------
+        (n, 3) float32
+            E(N) = sum over l <= 2 of A_l L_lm Y_lm(N) [RH01, eq. 8]; a diffuse surface reflects albedo / pi of it.
+        """
+        n = np.asarray(normals, dtype=np.float64)
+        if n.ndim != 2 or n.shape[1] != 3:
+            raise ValueError(f"normals must have shape (n, 3), but have {n.shape}")
+        if not np.allclose(np.einsum("ij,ij->i", n, n), 1.0, rtol=0, atol=2e-3):
+            raise ValueError("normals must be unit vectors")
+        A = np.array([math.pi] + 3 * [2 * math.pi / 3] + 5 * [math.pi / 4])  # [RH01] eq. 9
+        return ((_basis(n) * A) @ self.coefficients(2)).astype(np.float32)
+
+    @classmethod
+    def daylight(
+        cls,
+        *,
+        sun_elevation: float = 35.0,
+        sun_azimuth: float = 50.0,
+        turbidity: float = 2.5,
+        albedo: float | Sequence[float] = (0.24, 0.21, 0.17),
+        size: int = 512,
+    ) -> Environment:
+        """Return a clear sky with its sun over a plain ground; see `shrm.daylight` for the formulas.
+
+        Radiance 1 is 20 kcd/m^2: a white diffuse surface in the sun is about 1, and needs no exposure.
+
+        Parameters
+        ----------
+        sun_elevation : float
+            Degrees above the horizon, 0 to 90.
+        sun_azimuth : float
+            Degrees from +x towards +y.
+        turbidity : float
+            Haze, 1.8 to 10: 2 is very clear.
+        albedo : float or 3 floats
+            Of the ground, 0 to 1.
+        size : int
+            Rows of the picture, even, >= 2; it is twice as wide.
+
+        Raises
+        ------
+        ValueError
+            A parameter is out of its range.
+        """
+        for name, value, low, high in (
+            ("sun_elevation", sun_elevation, 0.0, 90.0),
+            ("sun_azimuth", sun_azimuth, -math.inf, math.inf),
+            ("turbidity", turbidity, 1.8, 10.0),
+        ):
+            if not math.isfinite(value) or not low <= value <= high:
+                raise ValueError(f"{name} must be a number from {low:g} to {high:g}, but is {value!r}")
+        ground = np.asarray(albedo, dtype=np.float64)
+        if ground.shape not in ((), (3,)) or not np.all((ground >= 0) & (ground <= 1)):
+            raise ValueError(f"albedo must be one or three numbers from 0 to 1, but is {albedo!r}")
+        if size < 2 or size % 2:
+            raise ValueError(f"size must be even and at least 2, but is {size}")
+        return cls(
+            daylight.daylight_pixels(sun_elevation, sun_azimuth, turbidity, np.broadcast_to(ground, 3), size)
+        )
+
+
+def _basis(n: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return the nine real harmonics with the Condon-Shortley phase, (n, 9), as polynomials [RH01, eq. 3]."""
+    x, y, z = n.T
+    one, two = math.sqrt(3 / (4 * math.pi)), math.sqrt(15 / (4 * math.pi))
+    return np.stack(
+        [
+            np.full_like(x, math.sqrt(1 / (4 * math.pi))),
+            -one * y,
+            one * z,
+            -one * x,
+            two * x * y,
+            -two * y * z,
+            math.sqrt(5 / (16 * math.pi)) * (3 * z * z - 1),
+            -two * x * z,
+            two / 2 * (x * x - y * y),
+        ],
+        axis=1,
+    )
+
+
+def _read_faces(path: Path, repair: bool, max_bytes: int) -> npt.NDArray[np.float32]:
+    """Read six faces and stack them as a strip, (6n, n, 3)."""
+    faces = [
+        image_io.read_image(p, repair=repair, max_bytes=max_bytes // 6).pixels for p in _find_faces(path)
+    ]
+    shapes = {face.shape for face in faces}
+    if len(shapes) != 1 or faces[0].shape[0] != faces[0].shape[1]:
+        sizes = ", ".join(f"{face.shape[1]} x {face.shape[0]}" for face in faces)
+        raise image_io.ImageError(f"{path}: the six faces must be squares of one size, but are {sizes}")
+    return np.concatenate(faces)
+
+
+def _find_faces(path: Path) -> list[Path]:
+    """Return the six files of a folder or a pattern, in OpenGL's order."""
+    for names in _FACE_NAMES:
+        if "{}" in str(path):
+            files = [Path(str(path).replace("{}", name)) for name in names]
+            if all(file.is_file() for file in files):
+                return files
+        elif path.is_dir():
+            found = [
+                [f for f in sorted(path.iterdir()) if _ends_with(f.stem.lower(), name)] for name in names
+            ]
+            if all(len(f) == 1 for f in found):
+                return [f[0] for f in found]
+    schemes = "; ".join(" ".join(names) for names in _FACE_NAMES)
+    raise image_io.ImageError(f"{path}: no six faces found there, named by one of the schemes {schemes}")
+
+
+def _ends_with(stem: str, name: str) -> bool:
+    """Whether a file's name ends in a face's name as a word of its own."""
+    return stem == name or (stem.endswith(name) and not stem[-len(name) - 1].isalpha())

@@ -1,0 +1,511 @@
+"""Reflected light by direct integration over the environment: the rival and the judge.
+
+`prefilter_angular` is prefiltering as it was done before frequency space, in C++; `integrate` is the plain
+sum in float64 numpy, without a table, for whoever wants an answer to trust. Neither uses spherical harmonics.
+Both hold the environment constant over each texel.
+
+The method and its cost: Ramamoorthi & Hanrahan, "Frequency Space Environment Map Rendering", ACM TOG 21(3),
+2002 ([RH02]), sections 6 and 7.4, appendix D.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+import shrm._core as _core
+from shrm import lobe_tables
+from shrm.validation import fraction, one_of, real_array, unit_vectors, whole_number
+
+Array = npt.NDArray[np.float64]
+Radiance = npt.NDArray[np.float32]
+
+LARGEST_SUBSAMPLES = 16
+
+
+class Environment(Protocol):
+    """What is needed of an environment: its lat-long picture (H, W, 3), float32."""
+
+    @property
+    def pixels(self) -> npt.NDArray[np.float32]:
+        """Radiance."""
+
+
+class Lobe(Protocol):
+    """What is needed of a lobe; radial and zonal ones also have a `profile`."""
+
+    @property
+    def center(self) -> str:
+        """Centre: "lobe", "reflection", "normal" or "tangent"."""
+
+    def transfer(self, wi: Array, wo: Array, /) -> Array:
+        """rho_hat, the cosine included."""
+
+
+class Material(Protocol):
+    """What is needed of a material."""
+
+    @property
+    def lobes(self) -> Sequence[Any]:
+        """Lobes, whose sum it is."""
+
+
+# ---- The exact answer
+
+
+def integrate(
+    env: Environment,
+    brdf: Material,
+    normals: npt.ArrayLike,
+    views: npt.ArrayLike,
+    tangents: npt.ArrayLike | None = None,
+    *,
+    subsamples: int = 1,
+) -> Array:
+    """Reflected radiance as a sum over texels in float64, the BRDF itself evaluated at every one.
+
+    Slow, some 1e7 texels per second, and simple enough to be read and believed.
+
+    Parameters
+    ----------
+    env : Environment
+        Its pixels (H, W, 3) are held constant over each texel.
+    brdf : material
+        Any object with `lobes`.
+    normals, views, tangents : (n, 3) array_like
+        Unit vectors in the world frame; views point from the surface to the eye, and one view (3,) may serve
+        all normals. Tangents are needed for lobes about the tangent and ignored by others.
+    subsamples : int
+        Each texel is sampled by subsamples^2 Gauss nodes, in [1, 16].
+
+    Returns
+    -------
+    (n, 3) float64
+        Radiance. A lobe that depends on normal and view is two-sided: where N.V < 0, -N takes the place of N,
+        which leaves the reflection of the view unchanged.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not as described.
+    """
+    pixels = _pixels(env)
+    n, v, t = _queries(brdf.lobes, normals, views, tangents)
+    nodes, power = _nodes(pixels, whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES))
+    result = np.zeros((len(n), 3))
+    for lobe in brdf.lobes:
+        if lobe.center == "tangent":
+            frames = _frames(t, v)
+        else:
+            frames = _frames(n if _is_radial(lobe) else _towards_view(n, v), v)
+        for k, frame in enumerate(frames):
+            wo = np.tile(v[k] @ frame, (_CHUNK, 1))
+            for start in range(0, len(nodes), _CHUNK):
+                wi = nodes[start : start + _CHUNK] @ frame
+                rho = lobe.transfer(wi, wo[: len(wi)])
+                light = power[start : start + _CHUNK]
+                result[k] += rho @ light if rho.ndim == 1 else np.einsum("nc,nc->c", rho, light)
+    return result
+
+
+_CHUNK = 16384
+
+
+def _nodes(pixels: npt.NDArray[np.float32], k: int) -> tuple[Array, Array]:
+    """Directions (H W k k, 3) and radiance times solid angle, of the texels that are not black."""
+    H, W, _ = pixels.shape
+    x, w = np.polynomial.legendre.leggauss(k)
+    theta = np.pi / H * (np.arange(H)[:, None] + (1 + x) / 2)
+    weight = w * np.sin(theta)
+    edges = np.cos(np.pi / H * np.arange(H + 1))
+    weight *= ((edges[:-1] - edges[1:]) * 2 * np.pi / W / weight.sum(axis=1))[:, None]
+    phi = np.pi - 2 * np.pi / W * (np.arange(W)[:, None] + (1 + x) / 2)
+    i, j = np.nonzero(np.any(pixels != 0, axis=2))
+    t, p = theta[i][:, :, None], phi[j][:, None, :]
+    directions = np.stack(
+        np.broadcast_arrays(np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)), axis=-1
+    )
+    area = weight[i][:, :, None] * (w / 2)
+    power = area[..., None] * pixels[i, j].astype(np.float64)[:, None, None, :]
+    return directions.reshape(-1, 3), power.reshape(-1, 3)
+
+
+# ---- Prefiltering
+
+
+def prefilter_angular(
+    env: Environment,
+    brdf: Material,
+    *,
+    tolerance: float = 0.0,
+    size: int | None = None,
+    layout: str = "latlong",
+    center: str | None = None,
+    subsamples: int | None = None,
+) -> AngularReflection:
+    """Prepare direct integration of an environment under a material.
+
+    Nothing is integrated yet: the result's `radiance` integrates each query, its `at_view` a whole map.
+
+    Parameters
+    ----------
+    env : Environment
+        Its pixels (H, W, 3) are held constant over each texel.
+    brdf : material
+        Any object with `lobes`.
+    tolerance : float
+        Fraction of each lobe's integral that may be left out at its rim, in [0, 1): the sum visits only the
+        cap (about a tangent, the band) that holds the rest [RH02 appendix D]. 0 visits all.
+    size : int, optional
+        Rows of the maps for "latlong" (twice as many columns; default 128), or the edge of a face for "cube"
+        (default 64).
+    layout : {"latlong", "cube"}
+        Layout of the maps.
+    center : {"lobe", "reflection", "normal"}, optional
+        Direction that the maps of isotropic lobes are indexed by, in place of the lobe's own. Radiance does
+        not depend on it.
+    subsamples : int, optional
+        Each texel is sampled by subsamples^2 Gauss nodes, in [1, 16]. Default: as many as put nodes closer
+        than a quarter of the narrowest lobe's width, at least 2; error about 1e-3 or less.
+
+    Returns
+    -------
+    AngularReflection
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not as described.
+    """
+    pixels = _pixels(env)
+    tolerance = fraction("tolerance", tolerance)
+    one_of("layout", layout, _DEFAULT_SIZE)
+    if center is not None:
+        one_of("center", center, ("lobe", "reflection", "normal"))
+    edge = _DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
+    if subsamples is not None:
+        subsamples = whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES)
+    parts = [_part(lobe, tolerance, center) for lobe in brdf.lobes]
+    if not parts:
+        raise ValueError("brdf has no lobes, but needs at least one")
+    return AngularReflection(pixels, parts, edge, layout, subsamples)
+
+
+_DEFAULT_SIZE = {"latlong": 128, "cube": 64}
+
+
+class AngularReflection:
+    """Reflected radiance of one environment under one material, by direct integration.
+
+    Made by `prefilter_angular`.
+
+    Attributes
+    ----------
+    error : float
+        Largest relative root mean square error, over the lobes, of interpolation in their tables. The sum
+        itself runs in float32 along rows and in float64 across.
+    subsamples : int
+        Nodes along each side of a texel.
+    size : int
+        Rows of a lat-long map, or the edge of a cube's face.
+    layout : {"latlong", "cube"}
+        Layout of the maps.
+    """
+
+    def __init__(
+        self,
+        pixels: npt.NDArray[np.float32],
+        parts: Sequence[_Part],
+        size: int,
+        layout: str,
+        subsamples: int | None,
+    ):
+        H, W, _ = pixels.shape
+        if subsamples is None:
+            narrowest = min(part.width for part in parts)
+            spacing = max(np.pi / H, 2 * np.pi / W)
+            subsamples = int(np.clip(np.ceil(4 * spacing / narrowest), 2, LARGEST_SUBSAMPLES))
+        columns = np.arange(2 * W + _core.ANGULAR_LANES) % W
+        self._picture: dict[str, Any] = {
+            "planes": np.ascontiguousarray(pixels.transpose(2, 0, 1)[:, :, columns]),
+            "subsamples": subsamples,
+        }
+        self._parts = tuple(parts)
+        self._directions = _directions(layout, size)
+        self._radial_maps: dict[int, Radiance] = {}
+        self.error = max(part.error for part in parts)
+        self.subsamples = subsamples
+        self.size = size
+        self.layout = layout
+
+    def radiance(
+        self, normals: npt.ArrayLike, views: npt.ArrayLike, tangents: npt.ArrayLike | None = None
+    ) -> Radiance:
+        """Reflected radiance, each query integrated.
+
+        Parameters
+        ----------
+        normals, views, tangents : (n, 3) array_like
+            As in `integrate`.
+
+        Returns
+        -------
+        (n, 3) float32
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not as described.
+        """
+        n, v, t = _queries(self._parts, normals, views, tangents)
+        result = np.zeros((len(n), 3), dtype=np.float32)
+        for part in self._parts:
+            result += part.radiance(self._picture, n, v, t)
+        return result
+
+    def at_view(self, view: npt.ArrayLike) -> Radiance | dict[str, Radiance]:
+        """Reflection map for one distant viewer: radiance against the central direction.
+
+        Parameters
+        ----------
+        view : (3,) array_like
+            Unit vector to the eye.
+
+        Returns
+        -------
+        (size, 2 size, 3) or (6, size, size, 3) float32, or {centre: map}
+            One map for each centre among the lobes; a dictionary if there are several. Directions of the
+            lobe centre that no visible normal has show the normal at the silhouette.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `view` is not a unit vector.
+        """
+        v = unit_vectors("view", view, 1)[0]
+        maps: dict[str, Radiance] = {}
+        for k, part in enumerate(self._parts):
+            layer = self._radial_map(k, part) if isinstance(part, _Radial) else self._map(part, v)
+            maps[part.center] = maps[part.center] + layer if part.center in maps else layer
+        return next(iter(maps.values())) if len(maps) == 1 else maps
+
+    def maps(self, T: int) -> Radiance | dict[str, Radiance]:
+        """Explicit reflection maps for T x T views, [RH02] appendix C.
+
+        Parameters
+        ----------
+        T : int
+            View (a, b) has the colatitude (a + 1/2) pi/T and the azimuth pi - 2 pi (b + 1/2)/T.
+
+        Returns
+        -------
+        (T, T) + the shape of a map, float32, or {centre: such an array}
+
+        Raises
+        ------
+        TypeError, ValueError
+            If T is not a whole number in [1, 1024].
+        """
+        T = whole_number("T", T, 1, 1024)
+        theta, phi = np.meshgrid(
+            (np.arange(T) + 0.5) * np.pi / T, np.pi - (np.arange(T) + 0.5) * 2 * np.pi / T, indexing="ij"
+        )
+        views = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
+        results = [self.at_view(view) for view in views.reshape(-1, 3)]
+
+        def gathered(maps: Sequence[Any]) -> Radiance:
+            return np.stack(maps).reshape(T, T, *self._directions.shape)
+
+        several = [maps for maps in results if isinstance(maps, dict)]
+        if several:
+            return {center: gathered([maps[center] for maps in several]) for center in several[0]}
+        return gathered(results)
+
+    def _radial_map(self, k: int, part: _Radial) -> Radiance:
+        """The map of a radial lobe, the same for all views: computed once."""
+        if k not in self._radial_maps:
+            C = self._directions
+            if self.layout == "latlong":
+                self._radial_maps[k] = part.map(self._picture, *C.shape[:2])
+            else:
+                flat = part.about(self._picture, np.ascontiguousarray(C.reshape(-1, 3)))
+                self._radial_maps[k] = flat.reshape(C.shape)
+        return self._radial_maps[k].copy()
+
+    def _map(self, part: _Part, view: Array) -> Radiance:
+        C = np.ascontiguousarray(self._directions.reshape(-1, 3))
+        views = np.ascontiguousarray(np.broadcast_to(view, C.shape))
+        normals = part.normals(C, views)
+        return part.radiance(self._picture, normals, views, C).reshape(self._directions.shape)
+
+
+# ---- A lobe and its table
+
+
+class _Part(Protocol):
+    center: str
+    width: float
+    error: float
+
+    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance: ...
+
+    def normals(self, centers: Array, v: Array) -> Array: ...
+
+
+def _is_radial(lobe: Any) -> bool:
+    return lobe.center != "tangent" and hasattr(lobe, "profile")
+
+
+def _part(lobe: Any, tolerance: float, center: str | None) -> _Part:
+    if lobe.center == "tangent":
+        return _Zonal(lobe.profile, tolerance)
+    if _is_radial(lobe):
+        return _Radial(lobe.center, lobe.profile, tolerance)
+    return _Isotropic(center or lobe.center, lobe.transfer, tolerance)
+
+
+class _Radial:
+    """A lobe of fixed shape about R or N."""
+
+    def __init__(self, center: str, profile: Callable[[Array], Array], tolerance: float):
+        table = lobe_tables.radial_table(profile, tolerance)
+        self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
+        self.width, self.error = table.width, table.error
+        self._table: dict[str, Any] = {"profile": table.values, "outer": table.outer}
+
+    def about(self, picture: dict[str, Any], centers: Array) -> Radiance:
+        return np.asarray(_core.angular_radial(**picture, **self._table, centres=centers))
+
+    def map(self, picture: dict[str, Any], height: int, width: int) -> Radiance:
+        return np.asarray(_core.angular_radial_map(**picture, **self._table, height=height, width=width))
+
+    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
+        return self.about(picture, n if self.center == "normal" else _reflection(n, v))
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        return centers if self.center == "normal" else _bisector(centers, v)
+
+
+class _Zonal:
+    """A lobe about the tangent that depends on two angles."""
+
+    center = "tangent"
+
+    def __init__(self, profile: Callable[[Array, Array], Array], tolerance: float):
+        table = lobe_tables.zonal_table(profile, tolerance)
+        self.width, self.error = table.width, table.error
+        self._table = {"profiles": table.values, "bands": table.bands}
+
+    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
+        return np.asarray(_core.angular_zonal(**picture, **self._table, axes=t, theta_o=_angle(t, v)))
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        return centers
+
+
+class _Isotropic:
+    """Any other lobe, cut at the horizon of N."""
+
+    def __init__(self, center: str, transfer: Callable[[Array, Array], Array], tolerance: float):
+        table = lobe_tables.isotropic_table(transfer, tolerance)
+        self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+        self.width, self.error = table.width, table.error
+        self._table = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
+        self._lobe_center = table.lobe_center
+
+    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
+        up = _towards_view(n, v)
+        return np.asarray(_core.angular_isotropic(**picture, **self._table, normals=up, views=v))
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        if self.center == "normal":
+            return centers
+        if self.center == "reflection":
+            return _bisector(centers, v)
+        # theta_o = theta_v + gamma(theta_v) is monotone: read it backwards.
+        theta_v = lobe_tables.view_nodes()
+        theta_o = np.maximum.accumulate(theta_v + self._lobe_center)
+        angle = np.interp(_angle(centers, v), theta_o, theta_v)
+        x = _frames(v, centers)[:, :, 0]
+        return np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * x
+
+
+# ---- Directions
+
+
+def _frames(z: Array, towards: Array) -> Array:
+    """Frames (n, 3, 3) with columns x, y, z; x in the plane of z and `towards`, if they are not parallel."""
+    z = z / np.linalg.norm(z, axis=1, keepdims=True)
+    x = towards - np.einsum("nc,nc->n", towards, z)[:, None] * z
+    parallel = np.linalg.norm(x, axis=1) < 1e-7
+    x[parallel] = np.cross(z[parallel], np.eye(3)[np.argmin(np.abs(z[parallel]), axis=1)])
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    return np.stack([x, np.cross(z, x), z], axis=2)
+
+
+def _angle(a: Array, b: Array) -> Array:
+    return np.asarray(np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("nc,nc->n", a, b)))
+
+
+def _reflection(n: Array, v: Array) -> Array:
+    return np.asarray(2 * np.einsum("nc,nc->n", n, v)[:, None] * n - v)
+
+
+def _bisector(a: Array, b: Array) -> Array:
+    """The unit vector between a and b: for R and V, the normal. Square to both if they are opposite."""
+    half = 0.5 * _angle(a, b)[:, None]
+    x = _frames(b, a)[:, :, 0]
+    return np.asarray(np.cos(half) * b + np.sin(half) * x)
+
+
+def _towards_view(n: Array, v: Array) -> Array:
+    """N, or -N where the view is below it."""
+    return np.asarray(np.where(np.einsum("nc,nc->n", n, v)[:, None] < 0, -n, n))
+
+
+def _directions(layout: str, size: int) -> Array:
+    """Directions of a map's texel centres: (size, 2 size, 3), or (6, size, size, 3).
+
+    Faces of a cube in OpenGL's order +x -x +y -y +z -z and orientation, the first row at t = -1.
+    """
+    if layout == "latlong":
+        theta = ((np.arange(size) + 0.5) * np.pi / size)[:, None]
+        phi = np.pi - (np.arange(2 * size) + 0.5) * np.pi / size
+        parts = np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta))
+        return np.stack(parts, axis=-1)
+    t, s = np.meshgrid(*2 * [(np.arange(size) + 0.5) * 2 / size - 1], indexing="ij")
+    one = np.ones_like(s)
+    faces = [(one, -t, -s), (-one, -t, s), (s, one, t), (s, -one, -t), (s, -t, one), (-s, -t, -one)]
+    d = np.array([np.stack(face, axis=-1) for face in faces])
+    return np.asarray(d / np.linalg.norm(d, axis=-1, keepdims=True))
+
+
+# ---- At the door
+
+
+def _pixels(env: Environment) -> npt.NDArray[np.float32]:
+    if not hasattr(env, "pixels"):
+        raise TypeError(f"env must be an Environment, not {type(env).__name__}")
+    pixels = real_array("env.pixels", env.pixels)
+    if pixels.ndim != 3 or pixels.shape[2] != 3 or 0 in pixels.shape:
+        raise ValueError(f"env.pixels has the shape {pixels.shape}, but needs (H, W, 3)")
+    return np.ascontiguousarray(pixels, dtype=np.float32)
+
+
+def _queries(
+    lobes: Sequence[Any],
+    normals: npt.ArrayLike,
+    views: npt.ArrayLike,
+    tangents: npt.ArrayLike | None,
+) -> tuple[Array, Array, Array]:
+    """Checked directions, each (n, 3); normals stand in for tangents that no lobe needs."""
+    n = unit_vectors("normals", normals)
+    v = unit_vectors("views", views, len(n))
+    if tangents is not None:
+        return n, v, unit_vectors("tangents", tangents, len(n))
+    if any(lobe.center == "tangent" for lobe in lobes):
+        raise ValueError("tangents are None, but a lobe about the tangent needs them, (n, 3)")
+    return n, v, n
