@@ -13,7 +13,7 @@ import numpy.typing as npt
 from shrm.brdf import parse
 from shrm.environment import Environment
 from shrm.image_io import write_image
-from shrm.prefilter import prefilter
+from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
 from shrm.render import (
     Object,

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 
 from shrm.cli.console import progress
-from shrm.cli.options import LAYOUTS, add_environment, file_of, read_environment, whole
+from shrm.cli.options import LAYOUTS, add_environment, add_output, read_environment, whole
 
 EXAMPLE = "shrm convert probe.hdr --layout vertical-cross -o cross.exr"
 
@@ -21,14 +21,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--layout", choices=LAYOUTS, default="latlong", metavar="L", help="layout to write (default latlong)"
     )
     command.add_argument("--size", type=whole, metavar="N", help="rows of the lat-long picture, or of a face")
-    command.add_argument(
-        "-o",
-        "--output",
-        type=file_of(".exr", ".hdr", ".pfm", ".tif"),
-        required=True,
-        metavar="FILE",
-        help=".exr, .hdr, .pfm or .tif to write; {} in it stands for the names of six faces",
-    )
+    add_output(command, ".exr", ".hdr", ".pfm", ".tif")
 
 
 def run(options: argparse.Namespace) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -74,6 +73,18 @@ def add_orders(command: argparse.ArgumentParser) -> None:
         help="relative RMS error of the reflected light that chooses the orders (default 0.05)",
     )
     either.add_argument("--orders", type=orders, metavar="F,P", help="the orders themselves, such as 30,4")
+
+
+def add_output(command: argparse.ArgumentParser, *suffixes: str) -> None:
+    """Add --output, whose name ends in one of the suffixes."""
+    known = " or ".join([", ".join(suffixes[:-1]), suffixes[-1]] if len(suffixes) > 1 else suffixes)
+
+    def file(text: str) -> Path:
+        if Path(text).suffix.lower() not in suffixes:
+            raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name that ends in {known}")
+        return Path(text)
+
+    command.add_argument("-o", "--output", type=file, required=True, metavar="FILE", help=f"{known} to write")
 
 
 def parse_brdf(text: str) -> BRDF:
@@ -159,15 +170,3 @@ def view(text: str) -> tuple[float, float]:
     if abs(elevation) > 90.0:
         raise argparse.ArgumentTypeError(f"{text!r}, but it needs {needs}")
     return azimuth, elevation
-
-
-def file_of(*suffixes: str) -> Callable[[str], Path]:
-    """Return the reader of a file's name that ends in one of the suffixes."""
-
-    def read(text: str) -> Path:
-        path = Path(text)
-        if path.suffix.lower() not in suffixes:
-            raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name in {' or '.join(suffixes)}")
-        return path
-
-    return read

@@ -9,7 +9,7 @@ import argparse
 import time
 
 from shrm.cli.console import progress
-from shrm.cli.options import add_environment, add_orders, file_of, parse_brdf, read_environment, whole
+from shrm.cli.options import add_environment, add_orders, add_output, parse_brdf, read_environment, whole
 
 EXAMPLE = "shrm prefilter grace.hdr --brdf ggx:alpha=0.2,f0=0.04 --tolerance 0.02 -o grace-ggx.exr"
 
@@ -24,13 +24,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--layout", choices=("latlong", "cube"), default="latlong", help="layout of the map (default latlong)"
     )
     command.add_argument(
-        "-o", "--output", type=file_of(".exr"), required=True, metavar="FILE", help=".exr to write"
+        "-o", "--output", type=add_output(".exr"), required=True, metavar="FILE", help=".exr to write"
     )
 
 
 def run(options: argparse.Namespace) -> None:
     """Read, prefilter, save."""
-    from shrm.prefilter import prefilter
+    from shrm.prefiltering import prefilter
 
     brdf = parse_brdf(options.brdf)
     with progress("Reading the environment"):

@@ -13,9 +13,9 @@ from shrm.cli.console import progress
 from shrm.cli.options import (
     add_environment,
     add_orders,
+    add_output,
     degrees,
     extent,
-    file_of,
     number,
     parse_brdf,
     read_environment,
@@ -80,7 +80,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add(
         "-o",
         "--output",
-        type=file_of(".png", ".exr"),
+        type=add_output(".png", ".exr"),
         required=True,
         metavar="FILE",
         help=".png or .exr to write",
@@ -130,6 +130,6 @@ def prefiltered(env: Environment, brdf: BRDF, options: argparse.Namespace) -> Re
         from shrm.reference import prefilter_angular
 
         return prefilter_angular(env, brdf)
-    from shrm.prefilter import prefilter
+    from shrm.prefiltering import prefilter
 
     return prefilter(env, brdf, tolerance=options.tolerance, orders=options.orders)
