@@ -23,9 +23,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--layout", choices=("latlong", "cube"), default="latlong", help="layout of the map (default latlong)"
     )
-    command.add_argument(
-        "-o", "--output", type=add_output(".exr"), required=True, metavar="FILE", help=".exr to write"
-    )
+    add_output(command, ".exr")
 
 
 def run(options: argparse.Namespace) -> None:

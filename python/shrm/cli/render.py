@@ -77,14 +77,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add("--background", action=argparse.BooleanOptionalAction, default=True, help="show the environment")
     add("--exposure", type=number, metavar="STOPS", help="for .png (default: from the picture)")
     add("--samples", type=whole, default=3, metavar="N", help="NxN rays per pixel (default 3)")
-    add(
-        "-o",
-        "--output",
-        type=add_output(".png", ".exr"),
-        required=True,
-        metavar="FILE",
-        help=".png or .exr to write",
-    )
+    add_output(command, ".png", ".exr")
 
 
 def run(options: argparse.Namespace) -> None:
