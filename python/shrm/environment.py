@@ -235,7 +235,7 @@ class Environment:
             raise ValueError(f"F must be at least 0, but is {F}")
         count = (int(F) + 1) ** 2
         if self._coefficients is None or len(self._coefficients) < count:
-            self._coefficients = _core.analysis(self._pixels, int(F), areas=True)
+            self._coefficients = _core.analysis(pixels=self._pixels, F=int(F), areas=True)
         result: npt.NDArray[np.float64] = self._coefficients[:count].copy()
         return result
 
