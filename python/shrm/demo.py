@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from shrm.brdf import parse
 from shrm.environment import Environment
-from shrm.image_io import write_image
+from shrm.image_io import draw_text, write_image
 from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
 from shrm.render import (
@@ -25,16 +25,17 @@ from shrm.render import (
     render,
     row_camera,
     row_picture,
+    row_place,
 )
 
 MATERIALS = {
     "matt": "lambert:0.75/0.72/0.68",
     "clay": "0.80/0.45/0.32*microfacet:0.5",
-    "plastic": "lambert:0.03/0.12/0.4 + ggx:alpha=0.25,f0=0.05",
+    "plastic": "lambert:0.03/0.1/0.4+ggx:0.35,0.05",
     "thread": "0.30/0.16/0.09*kajiya-kay:16",
-    "gold": "ggx:alpha=0.35,f0=1.0/0.71/0.29",
-    "copper": "ggx:alpha=0.2,f0=0.95/0.64/0.54",
-    "steel": "ggx:alpha=0.1,f0=0.62/0.60/0.58",
+    "gold": "ggx:0.35,1.0/0.71/0.29",
+    "copper": "ggx:0.2,0.95/0.64/0.54",
+    "steel": "ggx:0.1,0.62/0.60/0.58",
 }
 """From Lambert to near-mirror, in the words of `shrm.brdf.parse`."""
 
@@ -48,6 +49,7 @@ FRAMES = 2000  # random frames (N, V) that the measured error is taken over
 class Result:
     """One line of the table."""
 
+    name: str
     material: str
     F: int
     P: int
@@ -57,7 +59,7 @@ class Result:
 
 
 def make_demo(
-    folder: Path, diameter: int = 144, progress: Callable[[float], None] | None = None
+    folder: Path, diameter: int = 128, progress: Callable[[float], None] | None = None
 ) -> list[Result]:
     """Write the pictures and the maps of the demonstration.
 
@@ -93,10 +95,10 @@ def make_demo(
         start = time.perf_counter()
         rm = prefilter(env, brdf)
         milliseconds = 1e3 * (time.perf_counter() - start)
-        # rm.save(folder / f"{name}.exr")
+        rm.save(folder / f"{name}.exr")
         reference = prefilter_angular(env, brdf, tolerance=1e-3)
         measured = relative_rms(rm, reference, about_tangent=brdf.frame == "tangent")
-        results.append(Result(f"{name}: {text}", rm.F, rm.P, rm.error, measured, milliseconds))
+        results.append(Result(name, text, rm.F, rm.P, rm.error, measured, milliseconds))
         frequency.append(rm)
         integrated.append(reference)
         say(0.4 * (index + 1) / len(MATERIALS))
@@ -106,10 +108,15 @@ def make_demo(
     judged = draw(integrated, sky, diameter, lambda done: say(0.5 + 0.5 * done))
     exposure = automatic_exposure(judged.radiance, judged.coverage)
     difference = np.abs(spheres.radiance - judged.radiance)
-    write_image(folder / "spheres.png", display(spheres.radiance, exposure))
-    write_image(folder / "integrated.png", display(judged.radiance, exposure))
-    write_image(folder / "difference.png", display(difference, exposure))
-    write_image(folder / f"difference-x{AMPLIFIED}.png", display(AMPLIFIED * difference, exposure))
+    orders = [f"{row.name}: F = {row.F}, P = {row.P}" for row in results]
+    errors = [f"{row.name}: {row.measured:.1%}" for row in results]
+    for file, light, captions in (
+        ("spheres", spheres.radiance, orders),
+        ("integrated", judged.radiance, list(MATERIALS)),
+        ("difference", difference, errors),
+        (f"difference-x{AMPLIFIED}", AMPLIFIED * difference, [f"{AMPLIFIED} x {text}" for text in errors]),
+    ):
+        write_image(folder / f"{file}.png", labelled(display(light, exposure), captions))
     return results
 
 
@@ -123,6 +130,16 @@ def draw(
     return render(
         objects, camera, width, height, background=sky, samples=3, shading="pixel", progress=progress
     )
+
+
+def labelled(pixels: npt.NDArray[np.uint8], captions: list[str]) -> npt.NDArray[np.uint8]:
+    """Write a caption below each sphere of a row."""
+    height, width = pixels.shape[:2]
+    size = height // 13
+    for index, caption in enumerate(captions):
+        x = round(width * row_place(index, len(captions)))
+        pixels = draw_text(pixels, caption, x, height - size // 2, size)
+    return pixels
 
 
 def relative_rms(a: Reflection, b: Reflection, about_tangent: bool) -> float:

@@ -112,9 +112,8 @@ def run(options: argparse.Namespace) -> None:
             progress=report,
         )
     exposure = write_picture(options.output, picture, options.exposure, alpha=not options.background)
-    print(
-        f"{options.output}: {width} x {height}" + ("" if exposure is None else f", exposure {exposure:+.2f}")
-    )
+    said = "linear" if exposure is None else f"exposure {exposure:+.2f}"
+    print(f"{options.output}: {width} x {height}, {said}")
 
 
 def prefiltered(env: Environment, brdf: BRDF, options: argparse.Namespace) -> Reflection:

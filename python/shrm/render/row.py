@@ -23,6 +23,11 @@ def row_picture(count: int, diameter: int) -> tuple[int, int]:
     return round(width * diameter / 2.0), round(height * diameter / 2.0)
 
 
+def row_place(index: int, count: int) -> float:
+    """Where a sphere of a row stands, from 0 at the picture's left edge to 1 at its right."""
+    return 0.5 + SPACING * (index - (count - 1) / 2.0) / row_extent(count)[0]
+
+
 def row_camera(
     count: int, aspect: float, azimuth: float = 0.0, elevation: float = 10.0, fov: float = 30.0
 ) -> tuple[Camera, list[Vector]]:
