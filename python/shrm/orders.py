@@ -315,9 +315,9 @@ def _choose_at(
             beyond_P = measure.degree_energy - lobe.captured(P)
             lost_in_p = float((measure.light * beyond_P).sum()) if criterion != "minimum" else 0.0
             limited_by = "P" if most and lost_in_p > measure.residual(L, P) / 2 else "F"
-            chosen.append(LobeOrders(L, P, measure.residual(L, P), measure.total))
-            continue
-        F = next(F for F in range(L + 1) if measure.residual(F, P) <= allowed)
+        # Within 2% of the squared error, if that is more than allowed: degrees that P makes useless are not kept.
+        target = max(allowed, 1.02 * measure.residual(L, P))
+        F = next(F for F in range(L + 1) if measure.residual(F, P) <= target)
         chosen.append(LobeOrders(F, P, measure.residual(F, P), measure.total))
     combined = _combined(chosen, limited_by, criterion)
     # Lobes that miss their share may be made up for by the others.

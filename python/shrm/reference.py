@@ -10,14 +10,21 @@ The method and its cost: Ramamoorthi & Hanrahan, "Frequency Space Environment Ma
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 import shrm._core as _core
-from shrm import lobe_tables
+from shrm.lobe_integrals import (
+    LobeIntegral,
+    RadialIntegral,
+    is_radial,
+    lobe_integral,
+    local_frames,
+    towards_view,
+)
 from shrm.validation import fraction, one_of, real_array, unit_vectors, whole_number
 
 Array = npt.NDArray[np.float64]
@@ -98,9 +105,9 @@ def integrate(
     result = np.zeros((len(n), 3))
     for lobe in brdf.lobes:
         if lobe.center == "tangent":
-            frames = _frames(t, v)
+            frames = local_frames(t, v)
         else:
-            frames = _frames(n if _is_radial(lobe) else _towards_view(n, v), v)
+            frames = local_frames(n if is_radial(lobe) else towards_view(n, v), v)
         for k, frame in enumerate(frames):
             wo = np.tile(v[k] @ frame, (_CHUNK, 1))
             for start in range(0, len(nodes), _CHUNK):
@@ -188,7 +195,7 @@ def prefilter_angular(
     edge = _DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
     if subsamples is not None:
         subsamples = whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES)
-    parts = [_part(lobe, tolerance, center) for lobe in brdf.lobes]
+    parts = [lobe_integral(lobe, tolerance, center) for lobe in brdf.lobes]
     if not parts:
         raise ValueError("brdf has no lobes, but needs at least one")
     return AngularReflection(pixels, parts, edge, layout, subsamples)
@@ -218,7 +225,7 @@ class AngularReflection:
     def __init__(
         self,
         pixels: npt.NDArray[np.float32],
-        parts: Sequence[_Part],
+        parts: Sequence[LobeIntegral],
         size: int,
         layout: str,
         subsamples: int | None,
@@ -288,7 +295,7 @@ class AngularReflection:
         v = unit_vectors("view", view, 1)[0]
         maps: dict[str, Radiance] = {}
         for k, part in enumerate(self._parts):
-            layer = self._radial_map(k, part) if isinstance(part, _Radial) else self._map(part, v)
+            layer = self._radial_map(k, part) if isinstance(part, RadialIntegral) else self._map(part, v)
             maps[part.center] = maps[part.center] + layer if part.center in maps else layer
         return next(iter(maps.values())) if len(maps) == 1 else maps
 
@@ -324,7 +331,7 @@ class AngularReflection:
             return {center: gathered([maps[center] for maps in several]) for center in several[0]}
         return gathered(results)
 
-    def _radial_map(self, k: int, part: _Radial) -> Radiance:
+    def _radial_map(self, k: int, part: RadialIntegral) -> Radiance:
         """The map of a radial lobe, the same for all views: computed once."""
         if k not in self._radial_maps:
             C = self._directions
@@ -335,135 +342,14 @@ class AngularReflection:
                 self._radial_maps[k] = flat.reshape(C.shape)
         return self._radial_maps[k].copy()
 
-    def _map(self, part: _Part, view: Array) -> Radiance:
+    def _map(self, part: LobeIntegral, view: Array) -> Radiance:
         C = np.ascontiguousarray(self._directions.reshape(-1, 3))
         views = np.ascontiguousarray(np.broadcast_to(view, C.shape))
         normals = part.normals(C, views)
         return part.radiance(self._picture, normals, views, C).reshape(self._directions.shape)
 
 
-# ---- A lobe and its table
-
-
-class _Part(Protocol):
-    center: str
-    width: float
-    error: float
-
-    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance: ...
-
-    def normals(self, centers: Array, v: Array) -> Array: ...
-
-
-def _is_radial(lobe: Any) -> bool:
-    return lobe.center != "tangent" and hasattr(lobe, "profile")
-
-
-def _part(lobe: Any, tolerance: float, center: str | None) -> _Part:
-    if lobe.center == "tangent":
-        return _Zonal(lobe.profile, tolerance)
-    if _is_radial(lobe):
-        return _Radial(lobe.center, lobe.profile, tolerance)
-    return _Isotropic(center or lobe.center, lobe.transfer, tolerance)
-
-
-class _Radial:
-    """A lobe of fixed shape about R or N."""
-
-    def __init__(self, center: str, profile: Callable[[Array], Array], tolerance: float):
-        table = lobe_tables.radial_table(profile, tolerance)
-        self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
-        self.width, self.error = table.width, table.error
-        self._table: dict[str, Any] = {"profile": table.values, "outer": table.outer}
-
-    def about(self, picture: dict[str, Any], centers: Array) -> Radiance:
-        return np.asarray(_core.angular_radial(**picture, **self._table, centres=centers))
-
-    def map(self, picture: dict[str, Any], height: int, width: int) -> Radiance:
-        return np.asarray(_core.angular_radial_map(**picture, **self._table, height=height, width=width))
-
-    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
-        return self.about(picture, n if self.center == "normal" else _reflection(n, v))
-
-    def normals(self, centers: Array, v: Array) -> Array:
-        return centers if self.center == "normal" else _bisector(centers, v)
-
-
-class _Zonal:
-    """A lobe about the tangent that depends on two angles."""
-
-    center = "tangent"
-
-    def __init__(self, profile: Callable[[Array, Array], Array], tolerance: float):
-        table = lobe_tables.zonal_table(profile, tolerance)
-        self.width, self.error = table.width, table.error
-        self._table = {"profiles": table.values, "bands": table.bands}
-
-    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
-        return np.asarray(_core.angular_zonal(**picture, **self._table, axes=t, theta_o=_angle(t, v)))
-
-    def normals(self, centers: Array, v: Array) -> Array:
-        return centers
-
-
-class _Isotropic:
-    """Any other lobe, cut at the horizon of N."""
-
-    def __init__(self, center: str, transfer: Callable[[Array, Array], Array], tolerance: float):
-        table = lobe_tables.isotropic_table(transfer, tolerance)
-        self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
-        self.width, self.error = table.width, table.error
-        self._table = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
-        self._lobe_center = table.lobe_center
-
-    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
-        up = _towards_view(n, v)
-        return np.asarray(_core.angular_isotropic(**picture, **self._table, normals=up, views=v))
-
-    def normals(self, centers: Array, v: Array) -> Array:
-        if self.center == "normal":
-            return centers
-        if self.center == "reflection":
-            return _bisector(centers, v)
-        # theta_o = theta_v + gamma(theta_v) is monotone: read it backwards.
-        theta_v = lobe_tables.view_nodes()
-        theta_o = np.maximum.accumulate(theta_v + self._lobe_center)
-        angle = np.interp(_angle(centers, v), theta_o, theta_v)
-        x = _frames(v, centers)[:, :, 0]
-        return np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * x
-
-
 # ---- Directions
-
-
-def _frames(z: Array, towards: Array) -> Array:
-    """Frames (n, 3, 3) with columns x, y, z; x in the plane of z and `towards`, if they are not parallel."""
-    z = z / np.linalg.norm(z, axis=1, keepdims=True)
-    x = towards - np.einsum("nc,nc->n", towards, z)[:, None] * z
-    parallel = np.linalg.norm(x, axis=1) < 1e-7
-    x[parallel] = np.cross(z[parallel], np.eye(3)[np.argmin(np.abs(z[parallel]), axis=1)])
-    x /= np.linalg.norm(x, axis=1, keepdims=True)
-    return np.stack([x, np.cross(z, x), z], axis=2)
-
-
-def _angle(a: Array, b: Array) -> Array:
-    return np.asarray(np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("nc,nc->n", a, b)))
-
-
-def _reflection(n: Array, v: Array) -> Array:
-    return np.asarray(2 * np.einsum("nc,nc->n", n, v)[:, None] * n - v)
-
-
-def _bisector(a: Array, b: Array) -> Array:
-    """The unit vector between a and b: for R and V, the normal. Square to both if they are opposite."""
-    half = 0.5 * _angle(a, b)[:, None]
-    x = _frames(b, a)[:, :, 0]
-    return np.asarray(np.cos(half) * b + np.sin(half) * x)
-
-
-def _towards_view(n: Array, v: Array) -> Array:
-    """N, or -N where the view is below it."""
-    return np.asarray(np.where(np.einsum("nc,nc->n", n, v)[:, None] < 0, -n, n))
 
 
 def _directions(layout: str, size: int) -> Array:

@@ -1,0 +1,166 @@
+"""One lobe ready for direct integration: its table, and the directions its integral is indexed by.
+
+The radiance of a query is one call into C++; see `shrm.lobe_tables` for the tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+import shrm._core as _core
+from shrm import lobe_tables
+from shrm.validation import one_of
+
+Array = npt.NDArray[np.float64]
+Radiance = npt.NDArray[np.float32]
+
+
+class LobeIntegral(Protocol):
+    """A lobe that can be integrated.
+
+    Attributes
+    ----------
+    center : {"lobe", "reflection", "normal", "tangent"}
+        Direction that its maps are indexed by.
+    width : float
+        Angle that holds half of the lobe's integral.
+    error : float
+        Relative root mean square error of its table.
+    """
+
+    center: str
+    width: float
+    error: float
+
+    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
+        """Reflected radiance (n, 3) for normals, views and tangents (n, 3)."""
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        """Normals (n, 3) whose centres, seen from v, are `centers`; a tangent lobe has none to find."""
+
+
+def is_radial(lobe: Any) -> bool:
+    """Whether a lobe is a profile of C.L alone."""
+    return lobe.center != "tangent" and hasattr(lobe, "profile")
+
+
+def lobe_integral(lobe: Any, tolerance: float, center: str | None) -> LobeIntegral:
+    """Tabulate a lobe of any kind; `center` replaces an isotropic lobe's own."""
+    if lobe.center == "tangent":
+        return ZonalIntegral(lobe.profile, tolerance)
+    if is_radial(lobe):
+        return RadialIntegral(lobe.center, lobe.profile, tolerance)
+    return IsotropicIntegral(center or lobe.center, lobe.transfer, tolerance)
+
+
+class RadialIntegral:
+    """A lobe of fixed shape about R or N."""
+
+    def __init__(self, center: str, profile: Callable[[Array], Array], tolerance: float):
+        table = lobe_tables.radial_table(profile, tolerance)
+        self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
+        self.width, self.error = table.width, table.error
+        self._table: dict[str, Any] = {"profile": table.values, "outer": table.outer}
+
+    def about(self, picture: dict[str, Any], centers: Array) -> Radiance:
+        """Radiance (n, 3) for centres (n, 3)."""
+        return np.asarray(_core.angular_radial(**picture, **self._table, centres=centers))
+
+    def map(self, picture: dict[str, Any], height: int, width: int) -> Radiance:
+        """Radiance (height, width, 3) for centres on a lat-long grid, the kernel slid along each row."""
+        return np.asarray(_core.angular_radial_map(**picture, **self._table, height=height, width=width))
+
+    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
+        """Reflected radiance; see `LobeIntegral`."""
+        return self.about(picture, n if self.center == "normal" else reflection(n, v))
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        """Normals of centres; see `LobeIntegral`."""
+        return centers if self.center == "normal" else bisector(centers, v)
+
+
+class ZonalIntegral:
+    """A lobe about the tangent that depends on two angles."""
+
+    center = "tangent"
+
+    def __init__(self, profile: Callable[[Array, Array], Array], tolerance: float):
+        table = lobe_tables.zonal_table(profile, tolerance)
+        self.width, self.error = table.width, table.error
+        self._table = {"profiles": table.values, "bands": table.bands}
+
+    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
+        """Reflected radiance; see `LobeIntegral`."""
+        return np.asarray(_core.angular_zonal(**picture, **self._table, axes=t, theta_o=angle_between(t, v)))
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        """Normals of centres; see `LobeIntegral`."""
+        return centers
+
+
+class IsotropicIntegral:
+    """Any other lobe, cut at the horizon of N."""
+
+    def __init__(self, center: str, transfer: Callable[[Array, Array], Array], tolerance: float):
+        table = lobe_tables.isotropic_table(transfer, tolerance)
+        self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+        self.width, self.error = table.width, table.error
+        self._table = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
+        self._lobe_center = table.lobe_center
+
+    def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
+        """Reflected radiance; see `LobeIntegral`."""
+        up = towards_view(n, v)
+        return np.asarray(_core.angular_isotropic(**picture, **self._table, normals=up, views=v))
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        """Normals of centres; see `LobeIntegral`."""
+        if self.center == "normal":
+            return centers
+        if self.center == "reflection":
+            return bisector(centers, v)
+        # theta_o = theta_v + gamma(theta_v) is monotone: read it backwards.
+        theta_v = lobe_tables.view_nodes()
+        theta_o = np.maximum.accumulate(theta_v + self._lobe_center)
+        angle = np.interp(angle_between(centers, v), theta_o, theta_v)
+        x = local_frames(v, centers)[:, :, 0]
+        return np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * x
+
+
+# ---- Directions
+
+
+def local_frames(z: Array, towards: Array) -> Array:
+    """Frames (n, 3, 3) with columns x, y, z; x in the plane of z and `towards`, if they are not parallel."""
+    z = z / np.linalg.norm(z, axis=1, keepdims=True)
+    x = towards - np.einsum("nc,nc->n", towards, z)[:, None] * z
+    parallel = np.linalg.norm(x, axis=1) < 1e-7
+    x[parallel] = np.cross(z[parallel], np.eye(3)[np.argmin(np.abs(z[parallel]), axis=1)])
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    return np.stack([x, np.cross(z, x), z], axis=2)
+
+
+def angle_between(a: Array, b: Array) -> Array:
+    """Angles (n,) between unit vectors, accurate when small."""
+    return np.asarray(np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("nc,nc->n", a, b)))
+
+
+def reflection(n: Array, v: Array) -> Array:
+    """R = 2 (N.V) N - V."""
+    return np.asarray(2 * np.einsum("nc,nc->n", n, v)[:, None] * n - v)
+
+
+def bisector(a: Array, b: Array) -> Array:
+    """The unit vector between a and b: for R and V, the normal. Square to both if they are opposite."""
+    half = 0.5 * angle_between(a, b)[:, None]
+    x = local_frames(b, a)[:, :, 0]
+    return np.asarray(np.cos(half) * b + np.sin(half) * x)
+
+
+def towards_view(n: Array, v: Array) -> Array:
+    """N, or -N where the view is below it."""
+    return np.asarray(np.where(np.einsum("nc,nc->n", n, v)[:, None] < 0, -n, n))
