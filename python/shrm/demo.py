@@ -16,6 +16,7 @@ from shrm.image_io import draw_text, write_image
 from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
 from shrm.render import (
+    Camera,
     Object,
     Picture,
     Reflection,
@@ -25,8 +26,8 @@ from shrm.render import (
     render,
     row_camera,
     row_picture,
-    row_place,
 )
+from shrm.render.camera import Vector
 
 MATERIALS = {
     "matt": "lambert:0.75/0.72/0.68",
@@ -116,7 +117,7 @@ def make_demo(
         ("difference", difference, errors),
         (f"difference-x{AMPLIFIED}", AMPLIFIED * difference, [f"{AMPLIFIED} x {text}" for text in errors]),
     ):
-        write_image(folder / f"{file}.png", labelled(display(light, exposure), captions))
+        write_image(folder / f"{file}.png", labelled(display(light, exposure), captions, diameter))
     return results
 
 
@@ -124,21 +125,25 @@ def draw(
     materials: list[Reflection], sky: Environment, diameter: int, progress: Callable[[float], None]
 ) -> Picture:
     """Draw spheres of the materials in a row, the sky behind them."""
-    width, height = row_picture(len(materials), diameter)
-    camera, centers = row_camera(len(materials), width / height, elevation=0.5, fov=40.0)
+    width, height, camera, centers = row_of(len(materials), diameter)
     objects = [Object(Sphere(center), material) for center, material in zip(centers, materials, strict=True)]
     return render(
         objects, camera, width, height, background=sky, samples=3, shading="pixel", progress=progress
     )
 
 
-def labelled(pixels: npt.NDArray[np.uint8], captions: list[str]) -> npt.NDArray[np.uint8]:
+def row_of(count: int, diameter: int) -> tuple[int, int, Camera, list[Vector]]:
+    """Width and height of the picture, the camera, and the spheres' centres."""
+    width, height = row_picture(count, diameter)
+    return width, height, *row_camera(count, width / height, elevation=0.5, fov=40.0)
+
+
+def labelled(pixels: npt.NDArray[np.uint8], captions: list[str], diameter: int) -> npt.NDArray[np.uint8]:
     """Write a caption below each sphere of a row."""
-    height, width = pixels.shape[:2]
-    size = height // 13
-    for index, caption in enumerate(captions):
-        x = round(width * row_place(index, len(captions)))
-        pixels = draw_text(pixels, caption, x, height - size // 2, size)
+    width, height, camera, centers = row_of(len(captions), diameter)
+    size = diameter // 10
+    for caption, column in zip(captions, camera.project(centers, width, height)[0], strict=True):
+        pixels = draw_text(pixels, caption, round(column), height - size // 2, size)
     return pixels
 
 

@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> None:
     with progress("Prefiltering and drawing") as report:
         rows = make_demo(options.output, options.size, report)
 
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1), pad_edge=False)
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("sphere")
     table.add_column("material", no_wrap=True)
     for title in ("F", "P", "predicted", "measured", "ms"):

@@ -8,7 +8,7 @@ from shrm.render.lookup import environment_lookup, texture_lookup
 from shrm.render.mesh import Mesh
 from shrm.render.output import write_picture
 from shrm.render.picture import Object, Picture, Reflection, render, tangents_around
-from shrm.render.row import row_camera, row_picture, row_place
+from shrm.render.row import row_camera, row_picture
 from shrm.render.shapes import Hits, Shape, Sphere
 from shrm.render.tonemap import automatic_exposure, display, srgb
 
@@ -27,7 +27,6 @@ __all__ = [
     "render",
     "row_camera",
     "row_picture",
-    "row_place",
     "srgb",
     "tangents_around",
     "texture_lookup",

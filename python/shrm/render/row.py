@@ -9,7 +9,7 @@ import numpy as np
 from shrm.render.camera import Camera, Vector
 
 SPACING = 2.3  # between the centres of unit spheres
-MARGIN = 0.25  # around them
+MARGIN = 0.3  # around them
 
 
 def row_extent(count: int) -> tuple[float, float]:
@@ -21,11 +21,6 @@ def row_picture(count: int, diameter: int) -> tuple[int, int]:
     """Width and height in pixels of a picture of a row, given those across a sphere."""
     width, height = row_extent(count)
     return round(width * diameter / 2.0), round(height * diameter / 2.0)
-
-
-def row_place(index: int, count: int) -> float:
-    """Where a sphere of a row stands, from 0 at the picture's left edge to 1 at its right."""
-    return 0.5 + SPACING * (index - (count - 1) / 2.0) / row_extent(count)[0]
 
 
 def row_camera(
