@@ -17,6 +17,7 @@ from shrm.environment import Environment
 from shrm.image_io import ImageError, ImageWarning
 from shrm.orders import ToleranceWarning
 from shrm.prefiltering import prefilter
+from shrm.reference import prefilter_angular
 from shrm.reflection_map import ReflectionMap
 
 __version__ = "0.1.0"
@@ -31,5 +32,6 @@ __all__ = [
     "explicit",
     "orders",
     "prefilter",
+    "prefilter_angular",
     "sh",
 ]

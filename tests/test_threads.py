@@ -1,0 +1,55 @@
+"""Same input, same output, whatever the number of threads and the instruction set."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+SCRIPT = """
+import sys
+import numpy as np
+from shrm import Environment, brdf, prefilter, sh
+from shrm.reference import prefilter_angular
+
+env = Environment.daylight(size=64)
+material = brdf.Lambert(0.5) + brdf.GGX(0.2, f0=(1.0, 0.8, 0.3))
+rng = np.random.default_rng(1)
+N, V = rng.normal(size=(2, 300, 3))
+N /= np.linalg.norm(N, axis=1, keepdims=True)
+V /= np.linalg.norm(V, axis=1, keepdims=True)
+V *= np.sign((N * V).sum(axis=1, keepdims=True))
+results = {"analysis": env.coefficients(20), "resampled": env.resized(48, 96).pixels}
+results["rotated"] = sh.rotate(env.coefficients(40), [[0, -1, 0], [0, 0, -1], [1, 0, 0]])
+for layout in ("latlong", "cube"):
+    rm = prefilter(env, material, orders=(12, 3), size=32, layout=layout)
+    results[layout] = rm.parts[1].rings
+    results[layout + " radiance"] = rm.radiance(N, V)
+results["local"] = rm.parts[1].local_maps(16)
+results["angular"] = prefilter_angular(env, material, tolerance=0.01).radiance(N[:20], V[:20])
+np.savez(sys.argv[1], **results)
+"""
+
+
+def run(path, **environment):
+    subprocess.run(
+        [sys.executable, "-c", SCRIPT, str(path)], check=True, env={**os.environ, **environment}, timeout=300
+    )
+    return np.load(path)
+
+
+@pytest.fixture(scope="module")
+def one_thread(tmp_path_factory):
+    return run(tmp_path_factory.mktemp("threads") / "one.npz", OMP_NUM_THREADS="1")
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [{"OMP_NUM_THREADS": "2"}, {"OMP_NUM_THREADS": "7"}, {"OMP_NUM_THREADS": "2", "OMP_SCHEDULE": "dynamic"}],
+)
+def test_results_do_not_depend_on_the_number_of_threads(one_thread, environment, tmp_path):
+    other = run(tmp_path / "other.npz", **environment)
+    for name in one_thread.files:
+        scale = np.abs(one_thread[name]).max()
+        np.testing.assert_allclose(other[name], one_thread[name], rtol=0, atol=1e-6 * scale, err_msg=name)
