@@ -14,6 +14,7 @@ from shrm.render import (
     display,
     environment_lookup,
     render,
+    row_camera,
     srgb,
     tangents_around,
     texture_lookup,
@@ -394,6 +395,27 @@ def test_pictures_are_checked_at_the_door(changed: dict[str, object], name: str)
 def test_cameras_are_checked_at_the_door(arguments: dict[str, object], name: str) -> None:
     with pytest.raises(ValueError, match=name):
         Camera(**arguments)
+
+
+@pytest.mark.parametrize("height", [None, 3.0])
+def test_projection_is_the_inverse_of_rays(height: float | None) -> None:
+    camera = Camera((-4.0, 1.0, 2.0), (0.5, 0.2, 0.0), fov=50.0, height=height)
+    rng = np.random.default_rng(5)
+    columns, rows = rng.uniform(0.0, 60.0, 20), rng.uniform(0.0, 40.0, 20)
+    origins, directions = camera.rays(columns, rows, 60, 40)
+    points = origins + rng.uniform(1.0, 9.0, (20, 1)) * directions
+    np.testing.assert_allclose(camera.project(points, 60, 40), [columns, rows], atol=1e-9)
+
+
+@pytest.mark.parametrize("aspect", [0.5, 1.0, 6.0])
+def test_a_row_is_in_the_picture(aspect: float) -> None:
+    width, height = (int(40 * aspect), 40) if aspect >= 1.0 else (40, int(40 / aspect))
+    camera, centers = row_camera(4, aspect, azimuth=70.0, elevation=20.0)
+    picture = render([Object(Sphere(center), Constant()) for center in centers], camera, width, height)
+    for edge in (picture.coverage[0], picture.coverage[-1], picture.coverage[:, 0], picture.coverage[:, -1]):
+        assert not edge.any()
+    columns = camera.project(centers, width, height)[0]
+    assert np.all(np.diff(columns) > 0.0)  # from left to right
 
 
 # --- display --------------------------------------------------------------------------------------

@@ -12,10 +12,11 @@ import numpy.typing as npt
 
 from shrm.brdf import parse
 from shrm.environment import Environment
-from shrm.image_io import write_image
+from shrm.image_io import draw_text, write_image
+from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
-from shrm.reflection_map import prefilter
 from shrm.render import (
+    Camera,
     Object,
     Picture,
     Reflection,
@@ -26,19 +27,22 @@ from shrm.render import (
     row_camera,
     row_picture,
 )
+from shrm.render.camera import Vector
 
 MATERIALS = {
     "matt": "lambert:0.75/0.72/0.68",
     "clay": "0.80/0.45/0.32*microfacet:0.5",
-    "plastic": "lambert:0.03/0.12/0.4 + ggx:alpha=0.25,f0=0.05",
+    "plastic": "lambert:0.03/0.1/0.4+ggx:0.35,0.05",
     "thread": "0.30/0.16/0.09*kajiya-kay:16",
-    "gold": "ggx:alpha=0.35,f0=1.0/0.71/0.29",
-    "copper": "ggx:alpha=0.2,f0=0.95/0.64/0.54",
-    "steel": "ggx:alpha=0.1,f0=0.62/0.60/0.58",
+    "gold": "ggx:0.35,1.0/0.71/0.29",
+    "copper": "ggx:0.2,0.95/0.64/0.54",
+    "steel": "ggx:0.1,0.62/0.60/0.58",
 }
 """From Lambert to near-mirror, in the words of `shrm.brdf.parse`."""
 
 AMPLIFIED = 16
+SUN_AZIMUTH = 130.0  # over the left shoulder of the camera, which looks along +x
+ROWS = 64  # of the light, so that direct integration takes seconds; the background is finer
 FRAMES = 2000  # random frames (N, V) that the measured error is taken over
 
 
@@ -46,6 +50,7 @@ FRAMES = 2000  # random frames (N, V) that the measured error is taken over
 class Result:
     """One line of the table."""
 
+    name: str
     material: str
     F: int
     P: int
@@ -55,7 +60,7 @@ class Result:
 
 
 def make_demo(
-    folder: Path, diameter: int = 256, progress: Callable[[float], None] | None = None
+    folder: Path, diameter: int = 128, progress: Callable[[float], None] | None = None
 ) -> list[Result]:
     """Write the pictures and the maps of the demonstration.
 
@@ -81,7 +86,7 @@ def make_demo(
     """
     folder.mkdir(parents=True, exist_ok=True)
     say = progress or (lambda done: None)
-    env = Environment.daylight()
+    env = Environment.daylight(sun_azimuth=SUN_AZIMUTH, size=ROWS)
 
     frequency: list[Reflection] = []
     integrated: list[Reflection] = []
@@ -92,32 +97,54 @@ def make_demo(
         rm = prefilter(env, brdf)
         milliseconds = 1e3 * (time.perf_counter() - start)
         rm.save(folder / f"{name}.exr")
-        reference = prefilter_angular(env, brdf)
+        reference = prefilter_angular(env, brdf, tolerance=1e-3)
         measured = relative_rms(rm, reference, about_tangent=brdf.frame == "tangent")
-        results.append(Result(f"{name}: {text}", rm.F, rm.P, rm.error, measured, milliseconds))
+        results.append(Result(name, text, rm.F, rm.P, rm.error, measured, milliseconds))
         frequency.append(rm)
         integrated.append(reference)
         say(0.4 * (index + 1) / len(MATERIALS))
 
-    spheres = draw(frequency, env, diameter, lambda done: say(0.4 + 0.1 * done))
-    judged = draw(integrated, env, diameter, lambda done: say(0.5 + 0.5 * done))
+    sky = Environment.daylight(sun_azimuth=SUN_AZIMUTH)
+    spheres = draw(frequency, sky, diameter, lambda done: say(0.4 + 0.1 * done))
+    judged = draw(integrated, sky, diameter, lambda done: say(0.5 + 0.5 * done))
     exposure = automatic_exposure(judged.radiance, judged.coverage)
     difference = np.abs(spheres.radiance - judged.radiance)
-    write_image(folder / "spheres.png", display(spheres.radiance, exposure))
-    write_image(folder / "integrated.png", display(judged.radiance, exposure))
-    write_image(folder / "difference.png", display(difference, exposure))
-    write_image(folder / f"difference-x{AMPLIFIED}.png", display(AMPLIFIED * difference, exposure))
+    orders = [f"{row.name}: F = {row.F}, P = {row.P}" for row in results]
+    errors = [f"{row.name}: {row.measured:.1%}" for row in results]
+    for file, light, captions in (
+        ("spheres", spheres.radiance, orders),
+        ("integrated", judged.radiance, list(MATERIALS)),
+        ("difference", difference, errors),
+        (f"difference-x{AMPLIFIED}", AMPLIFIED * difference, [f"{AMPLIFIED} x {text}" for text in errors]),
+    ):
+        write_image(folder / f"{file}.png", labelled(display(light, exposure), captions, diameter))
     return results
 
 
 def draw(
-    materials: list[Reflection], env: Environment, diameter: int, progress: Callable[[float], None]
+    materials: list[Reflection], sky: Environment, diameter: int, progress: Callable[[float], None]
 ) -> Picture:
-    """Draw spheres of the materials in a row, the environment behind them."""
-    width, height = row_picture(len(materials), diameter)
-    camera, centers = row_camera(len(materials), width / height, elevation=3.0, fov=40.0)
+    """Draw spheres of the materials in a row, the sky behind them."""
+    width, height, camera, centers = row_of(len(materials), diameter)
     objects = [Object(Sphere(center), material) for center, material in zip(centers, materials, strict=True)]
-    return render(objects, camera, width, height, background=env, progress=progress)
+    return render(
+        objects, camera, width, height, background=sky, samples=3, shading="pixel", progress=progress
+    )
+
+
+def row_of(count: int, diameter: int) -> tuple[int, int, Camera, list[Vector]]:
+    """Width and height of the picture, the camera, and the spheres' centres."""
+    width, height = row_picture(count, diameter)
+    return width, height, *row_camera(count, width / height, elevation=0.5, fov=40.0)
+
+
+def labelled(pixels: npt.NDArray[np.uint8], captions: list[str], diameter: int) -> npt.NDArray[np.uint8]:
+    """Write a caption below each sphere of a row."""
+    width, height, camera, centers = row_of(len(captions), diameter)
+    size = diameter // 10
+    for caption, column in zip(captions, camera.project(centers, width, height)[0], strict=True):
+        pixels = draw_text(pixels, caption, round(column), height - size // 2, size)
+    return pixels
 
 
 def relative_rms(a: Reflection, b: Reflection, about_tangent: bool) -> float:

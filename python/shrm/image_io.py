@@ -27,6 +27,7 @@ __all__ = [
     "ImageError",
     "ImageWarning",
     "Part",
+    "draw_text",
     "read_image",
     "read_parts",
     "write_image",
@@ -186,8 +187,9 @@ def write_image(path: PathLike, pixels: npt.NDArray[Any], *, metadata: Metadata 
     ----------
     path : path
         ``.exr`` (float32), ``.hdr``, ``.pfm``, ``.tif`` (float32), or ``.png``, ``.jpg`` (8 bit).
-    pixels : (H, W, 3) float32, or uint8 for ``.png`` and ``.jpg``
-        Linear Rec. 709; the 8-bit formats take a picture that is tone-mapped and encoded already.
+    pixels : (H, W, 3) or, with alpha, (H, W, 4); float32, or uint8 for ``.png`` and ``.jpg``
+        Linear Rec. 709, multiplied by alpha; the 8-bit formats take a picture that is tone-mapped and
+        encoded already, not multiplied by alpha.
     metadata : mapping, optional
         Attributes to save where the format can (EXR).
 
@@ -207,13 +209,16 @@ def write_image(path: PathLike, pixels: npt.NDArray[Any], *, metadata: Metadata 
     wanted: type[np.generic] = np.uint8 if eight_bit else np.float32
     if pixels.dtype != wanted:
         raise TypeError(f"pixels must be {wanted.__name__} for {suffix}, but are {pixels.dtype}")
-    if pixels.ndim != 3 or pixels.shape[2] != 3 or 0 in pixels.shape:
-        raise ValueError(f"pixels must have shape (H, W, 3), but have {pixels.shape}")
+    if pixels.ndim != 3 or pixels.shape[2] not in (3, 4) or 0 in pixels.shape:
+        raise ValueError(f"pixels must have shape (H, W, 3) or (H, W, 4), but have {pixels.shape}")
     if not eight_bit:
         _finite(path, pixels, repair=False)
     if suffix == ".hdr" and np.any(pixels < 0):
         _warn(path, "the format has no negative values; they become 0")
-    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, oiio.UINT8 if eight_bit else oiio.FLOAT)
+    height, width, channels = pixels.shape
+    spec = oiio.ImageSpec(width, height, channels, oiio.UINT8 if eight_bit else oiio.FLOAT)
+    if eight_bit:
+        spec.attribute("oiio:UnassociatedAlpha", 1)
     if suffix == ".exr":
         spec.attribute("compression", "zip")
     spec.attribute("pnm:pfmflip", 1)  # a PFM's first row is the lowest; our first row is the highest
@@ -260,6 +265,25 @@ def write_parts(path: PathLike, parts: Sequence[Part]) -> None:
         _set_metadata(path, spec, part.metadata)
         specs.append(spec)
     _write(path, specs, [part.pixels for part in parts])
+
+
+def draw_text(pixels: npt.NDArray[np.uint8], text: str, x: int, y: int, size: int) -> npt.NDArray[np.uint8]:
+    """Return an 8-bit picture with a line of white text.
+
+    Parameters
+    ----------
+    pixels : (H, W, 3) uint8
+    text : str
+    x, y : int
+        Where the text is centred from left to right, and its base line.
+    size : int
+        Height of the letters in pixels, about.
+    """
+    height, width, channels = pixels.shape
+    picture = oiio.ImageBuf(oiio.ImageSpec(width, height, channels, oiio.UINT8))
+    picture.set_pixels(picture.roi, np.ascontiguousarray(pixels))
+    oiio.ImageBufAlgo.render_text(picture, x, y, text, size, "DroidSans", (1.0,) * channels, "center", "baseline")
+    return np.asarray(picture.get_pixels(oiio.UINT8)).reshape(pixels.shape)
 
 
 # ---- reading, step by step

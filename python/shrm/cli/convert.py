@@ -1,7 +1,7 @@
 """Convert an environment map to another layout or file format.
 
 Every conversion is area-exact: the light of each texel stays where it is, small suns included.
-The format follows the name: .exr and .hdr keep the light, .png and .jpg are for looking.
+The format follows the name: .exr, .pfm and .tif are float32, .hdr keeps each value to 0.4%.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 
 from shrm.cli.console import progress
-from shrm.cli.options import LAYOUTS, add_environment, read_environment, whole
+from shrm.cli.options import LAYOUTS, add_environment, add_output, read_environment, whole
 
 EXAMPLE = "shrm convert probe.hdr --layout vertical-cross -o cross.exr"
 
@@ -21,7 +21,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--layout", choices=LAYOUTS, default="latlong", metavar="L", help="layout to write (default latlong)"
     )
     command.add_argument("--size", type=whole, metavar="N", help="rows of the lat-long picture, or of a face")
-    command.add_argument("-o", "--output", required=True, metavar="FILE", help="file to write")
+    add_output(command, ".exr", ".hdr", ".pfm", ".tif")
 
 
 def run(options: argparse.Namespace) -> None:

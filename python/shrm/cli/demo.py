@@ -26,12 +26,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="folder to write (default demo)",
     )
     command.add_argument(
-        "--size", type=whole, default=256, metavar="N", help="pixels across a sphere (default 256)"
+        "--size", type=whole, default=128, metavar="N", help="pixels across a sphere (default 128)"
     )
 
 
 def run(options: argparse.Namespace) -> None:
     """Make the folder and print the table."""
+    from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
 
@@ -40,12 +41,14 @@ def run(options: argparse.Namespace) -> None:
     with progress("Prefiltering and drawing") as report:
         rows = make_demo(options.output, options.size, report)
 
-    table = Table()
-    table.add_column("material")
-    for title in ("F", "P", "predicted error", "measured error", "ms"):
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column("sphere")
+    table.add_column("material", no_wrap=True)
+    for title in ("F", "P", "predicted", "measured", "ms"):
         table.add_column(title, justify="right")
     for row in rows:
         table.add_row(
+            row.name,
             row.material,
             str(row.F),
             str(row.P),

@@ -13,8 +13,8 @@ from shrm.cli.console import progress
 from shrm.cli.options import add_environment, parse_brdf, read_environment
 
 if TYPE_CHECKING:
-    from shrm import Environment
     from shrm.brdf import BRDF
+    from shrm.environment import Environment
 
 EXAMPLE = "shrm info grace.hdr    or    shrm info --brdf ggx:0.1"
 

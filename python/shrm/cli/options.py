@@ -8,11 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from shrm import Environment
     from shrm.brdf import BRDF
+    from shrm.environment import Environment
+
+DAYLIGHT_AZIMUTH = 130.0  # the sun stands over the left shoulder of a camera that looks along +x
 
 LAYOUTS = (
     "latlong",
+    "openexr-latlong",
     "vertical-cross",
     "horizontal-cross",
     "strip",
@@ -52,10 +55,10 @@ def add_environment(
 
 def read_environment(options: argparse.Namespace) -> Environment:
     """Read what `add_environment` asked for."""
-    from shrm import Environment
+    from shrm.environment import Environment
 
     if options.env == "daylight":
-        return Environment.daylight()
+        return Environment.daylight(sun_azimuth=DAYLIGHT_AZIMUTH)
     return Environment.read(options.env, layout=options.env_layout, repair=options.repair)
 
 
@@ -70,6 +73,18 @@ def add_orders(command: argparse.ArgumentParser) -> None:
         help="relative RMS error of the reflected light that chooses the orders (default 0.05)",
     )
     either.add_argument("--orders", type=orders, metavar="F,P", help="the orders themselves, such as 30,4")
+
+
+def add_output(command: argparse.ArgumentParser, *suffixes: str) -> None:
+    """Add --output, whose name ends in one of the suffixes."""
+    known = " or ".join([", ".join(suffixes[:-1]), suffixes[-1]] if len(suffixes) > 1 else suffixes)
+
+    def file(text: str) -> Path:
+        if Path(text).suffix.lower() not in suffixes:
+            raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name that ends in {known}")
+        return Path(text)
+
+    command.add_argument("-o", "--output", type=file, required=True, metavar="FILE", help=f"{known} to write")
 
 
 def parse_brdf(text: str) -> BRDF:
@@ -155,19 +170,3 @@ def view(text: str) -> tuple[float, float]:
     if abs(elevation) > 90.0:
         raise argparse.ArgumentTypeError(f"{text!r}, but it needs {needs}")
     return azimuth, elevation
-
-
-def picture_file(text: str) -> Path:
-    """A .png or .exr file to write."""
-    path = Path(text)
-    if path.suffix.lower() not in (".png", ".exr"):
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name that ends in .png or .exr")
-    return path
-
-
-def exr_file(text: str) -> Path:
-    """An .exr file to write."""
-    path = Path(text)
-    if path.suffix.lower() != ".exr":
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name that ends in .exr")
-    return path

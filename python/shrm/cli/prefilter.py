@@ -9,7 +9,7 @@ import argparse
 import time
 
 from shrm.cli.console import progress
-from shrm.cli.options import add_environment, add_orders, exr_file, parse_brdf, read_environment, whole
+from shrm.cli.options import add_environment, add_orders, add_output, parse_brdf, read_environment, whole
 
 EXAMPLE = "shrm prefilter grace.hdr --brdf ggx:alpha=0.2,f0=0.04 --tolerance 0.02 -o grace-ggx.exr"
 
@@ -23,19 +23,19 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--layout", choices=("latlong", "cube"), default="latlong", help="layout of the map (default latlong)"
     )
-    command.add_argument("-o", "--output", type=exr_file, required=True, metavar="FILE", help=".exr to write")
+    add_output(command, ".exr")
 
 
 def run(options: argparse.Namespace) -> None:
     """Read, prefilter, save."""
-    import shrm
+    from shrm.prefiltering import prefilter
 
     brdf = parse_brdf(options.brdf)
     with progress("Reading the environment"):
         env = read_environment(options)
     start = time.perf_counter()
     with progress(f"Prefiltering with {brdf.name}"):
-        rm = shrm.prefilter(
+        rm = prefilter(
             env,
             brdf,
             tolerance=options.tolerance,

@@ -13,19 +13,19 @@ from shrm.cli.console import progress
 from shrm.cli.options import (
     add_environment,
     add_orders,
+    add_output,
     degrees,
     extent,
     number,
     parse_brdf,
-    picture_file,
     read_environment,
     view,
     whole,
 )
 
 if TYPE_CHECKING:
-    from shrm import Environment
     from shrm.brdf import BRDF
+    from shrm.environment import Environment
     from shrm.render import Reflection
 
 EXAMPLE = "shrm render --env grace.hdr --brdf lambert:0.8 --brdf ggx:0.1 --mesh bunny.ply -o bunnies.png"
@@ -77,7 +77,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add("--background", action=argparse.BooleanOptionalAction, default=True, help="show the environment")
     add("--exposure", type=number, metavar="STOPS", help="for .png (default: from the picture)")
     add("--samples", type=whole, default=3, metavar="N", help="NxN rays per pixel (default 3)")
-    add("-o", "--output", type=picture_file, required=True, metavar="FILE", help=".png or .exr to write")
+    add_output(command, ".png", ".exr")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> None:
     materials = [parse_brdf(text) for text in options.brdf]
     env = read_environment(options)
     mesh = None if options.mesh is None else Mesh.read(options.mesh, up=options.up)
-    texture = None if options.texture is None else image_io.read(options.texture)
+    texture = None if options.texture is None else image_io.read_image(options.texture).pixels
 
     width, height = options.size or row_picture(len(materials), diameter=320)
     azimuth, elevation = options.view
@@ -112,15 +112,16 @@ def run(options: argparse.Namespace) -> None:
             progress=report,
         )
     exposure = write_picture(options.output, picture, options.exposure, alpha=not options.background)
-    print(
-        f"{options.output}: {width} x {height}" + ("" if exposure is None else f", exposure {exposure:+.2f}")
-    )
+    said = "linear" if exposure is None else f"exposure {exposure:+.2f}"
+    print(f"{options.output}: {width} x {height}, {said}")
 
 
 def prefiltered(env: Environment, brdf: BRDF, options: argparse.Namespace) -> Reflection:
     """Prefilter by the method that the options name."""
-    import shrm
-
     if options.method == "angular":
-        return shrm.prefilter_angular(env, brdf)
-    return shrm.prefilter(env, brdf, tolerance=options.tolerance, orders=options.orders)
+        from shrm.reference import prefilter_angular
+
+        return prefilter_angular(env, brdf)
+    from shrm.prefiltering import prefilter
+
+    return prefilter(env, brdf, tolerance=options.tolerance, orders=options.orders)

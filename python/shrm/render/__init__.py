@@ -1,11 +1,12 @@
 """Pictures without a GPU: spheres and meshes whose materials are prefiltered.
 
-camera -> shapes, mesh -> lookup -> tonemap -> picture -> row
+camera -> shapes, mesh -> lookup -> tonemap -> picture -> row, output
 """
 
 from shrm.render.camera import Camera
 from shrm.render.lookup import environment_lookup, texture_lookup
 from shrm.render.mesh import Mesh
+from shrm.render.output import write_picture
 from shrm.render.picture import Object, Picture, Reflection, render, tangents_around
 from shrm.render.row import row_camera, row_picture
 from shrm.render.shapes import Hits, Shape, Sphere
@@ -29,4 +30,5 @@ __all__ = [
     "srgb",
     "tangents_around",
     "texture_lookup",
+    "write_picture",
 ]

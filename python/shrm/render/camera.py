@@ -52,6 +52,15 @@ class Camera:
         offset = np.subtract(self.target, self.position).astype(np.float64)
         return np.asarray(offset / np.linalg.norm(offset))
 
+    @property
+    def axes(self) -> FloatArray:
+        """Unit vectors to the right of the picture, to its top, and forward: rows of (3, 3)."""
+        forward = self.forward
+        overhead = abs(forward[2]) > 1.0 - 1e-9  # looking straight up or down: +x is up in the picture
+        right = np.cross(forward, (1.0, 0.0, 0.0) if overhead else (0.0, 0.0, 1.0))
+        right /= np.linalg.norm(right)
+        return np.stack([right, np.cross(right, forward), forward])
+
     def rays(
         self, columns: FloatArray, rows: FloatArray, width: int, height: int
     ) -> tuple[FloatArray, FloatArray]:
@@ -69,11 +78,7 @@ class Camera:
         origins, directions : (n, 3) float64
             Directions are unit vectors.
         """
-        forward = self.forward
-        overhead = abs(forward[2]) > 1.0 - 1e-9  # looking straight up or down: +x is up in the picture
-        right = np.cross(forward, (1.0, 0.0, 0.0) if overhead else (0.0, 0.0, 1.0))
-        right /= np.linalg.norm(right)
-        up = np.cross(right, forward)
+        right, up, forward = self.axes
         x = ((2.0 * columns - width) / height)[:, None]
         y = ((height - 2.0 * rows) / height)[:, None]
 
@@ -85,3 +90,20 @@ class Camera:
         directions = forward + reach * (x * right + y * up)
         directions /= np.linalg.norm(directions, axis=1, keepdims=True)
         return np.broadcast_to(position, directions.shape), directions
+
+    def project(self, points: npt.ArrayLike, width: int, height: int) -> tuple[FloatArray, FloatArray]:
+        """Where points in front of the camera appear: the inverse of `rays`.
+
+        Parameters
+        ----------
+        points : (n, 3) array_like
+        width, height : int
+            Extent of the picture in pixels.
+
+        Returns
+        -------
+        columns, rows : (n,) float64
+        """
+        x, y, depth = self.axes @ (np.asarray(points, np.float64) - np.asarray(self.position)).T
+        reach = 0.5 * self.height if self.height is not None else depth * np.tan(np.radians(self.fov) / 2.0)
+        return 0.5 * (width + height * x / reach), 0.5 * (height - height * y / reach)

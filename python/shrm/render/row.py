@@ -9,7 +9,7 @@ import numpy as np
 from shrm.render.camera import Camera, Vector
 
 SPACING = 2.3  # between the centres of unit spheres
-MARGIN = 0.25  # around them
+MARGIN = 0.3  # around them
 
 
 def row_extent(count: int) -> tuple[float, float]:

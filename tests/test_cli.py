@@ -1,0 +1,381 @@
+"""The command line: what each command makes, its exit status, and faults in one line."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shrm import layouts
+from shrm.cli import COMMANDS, main
+from shrm.cli.options import LAYOUTS
+from shrm.environment import Environment
+from shrm.image_io import ImageWarning, read_image, write_image
+from shrm.reflection_map import ReflectionMap
+
+DATA = Path(__file__).parents[2] / "shared" / "data"
+
+
+@pytest.fixture(scope="session")
+def sky(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small environment: bright above, reddish towards +x."""
+    H, W = 16, 32
+    theta = ((np.arange(H) + 0.5) * np.pi / H)[:, None]
+    phi = np.pi - 2.0 * np.pi * (np.arange(W) + 0.5) / W
+    up, ahead = np.cos(theta) + 0.0 * phi, np.sin(theta) * np.cos(phi)
+    pixels = np.stack([1.2 + up + 0.2 * ahead, 1.2 + up, 1.3 + up - 0.1 * ahead], axis=2)
+    path = tmp_path_factory.mktemp("sky") / "sky.exr"
+    write_image(path, pixels.astype(np.float32))
+    return path
+
+
+@pytest.fixture
+def shrm(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
+    """Run the command in this process: status, standard output, standard error."""
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        try:
+            status = main([str(argument) for argument in arguments])
+        except SystemExit as end:  # argparse ends the process itself
+            status = int(end.code or 0)
+        out, err = capsys.readouterr()
+        return status, out, err
+
+    return run
+
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+# --- what the commands make -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", [module.__name__.rpartition(".")[2] for module in COMMANDS])
+def test_help_has_an_example(shrm: Command, command: str) -> None:
+    status, out, _ = shrm(command, "--help")
+    assert status == 0
+    assert f"example: shrm {command}" in out
+
+
+def test_the_command_is_installed() -> None:
+    command = Path(sys.executable).with_name("shrm")
+    assert command.exists()
+    done = subprocess.run([command, "--help"], capture_output=True, text=True, check=True)
+    assert "prefilter" in done.stdout
+
+
+def test_info_tells_of_an_environment(shrm: Command, sky: Path) -> None:
+    status, out, err = shrm("info", sky)
+    assert (status, err) == (0, "")
+    assert "32 x 16" in out
+    # The sphere's mean of 1.2 + z + 0.2 x is 1.2.
+    mean = next(line for line in out.splitlines() if "mean radiance" in line).split()[2:5]
+    np.testing.assert_allclose([float(value) for value in mean], [1.2, 1.2, 1.3], atol=2e-3)
+    share = float(next(line for line in out.splitlines() if "energy" in line).split("%")[1].split()[-1])
+    assert share > 99.5  # to degree 1; the rest is in the texels' edges
+
+
+def test_info_tells_of_a_material(shrm: Command) -> None:
+    status, out, _ = shrm("info", "--brdf", "lambert:0.5 + ggx:0.3")
+    assert status == 0
+    assert "lobe 1" in out
+    assert "about the normal" in out
+    assert "lobe 2" in out
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_convert_keeps_the_mean_radiance(shrm: Command, sky: Path, tmp_path: Path, layout: str) -> None:
+    cross, back = tmp_path / ("{}.exr" if layout == "faces" else "converted.exr"), tmp_path / "back.exr"
+    status, out, _ = shrm("convert", sky, "--layout", layout, "-o", cross)
+    assert status == 0
+    assert layout in out
+    assert shrm("convert", cross, "--env-layout", layout, "-o", back)[0] == 0
+    means = [Environment.read(path).coefficients(0)[0] for path in (sky, back)]
+    np.testing.assert_allclose(means[0], means[1], rtol=1e-3)
+
+
+def test_prefilter_saves_a_map_that_loads(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    path = tmp_path / "map.exr"
+    status, out, _ = shrm("prefilter", sky, "--brdf", "ggx:0.4", "--orders", "6,2", "-o", path)
+    assert status == 0
+    assert "F = 6, P = 2" in out
+    rm = ReflectionMap.load(path)
+    assert (rm.F, rm.P) == (6, 2)
+
+
+def test_prefilter_reaches_a_tolerance(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    path = tmp_path / "map.exr"
+    options = ("--tolerance", "0.1", "--layout", "cube", "--size", "16")
+    assert shrm("prefilter", sky, "--brdf", "phong:20", *options, "-o", path)[0] == 0
+    rm = ReflectionMap.load(path)
+    assert rm.error < 0.1
+    assert rm.at_view((0.0, 0.0, 1.0)).shape[:2] == (6, 16)
+
+
+@pytest.mark.parametrize("method", ["shrm", "angular"])
+def test_render_draws_a_row(shrm: Command, sky: Path, tmp_path: Path, method: str) -> None:
+    path = tmp_path / "row.exr"
+    materials = ("--brdf", "lambert:0.5", "--brdf", "phong:9")
+    status, out, _ = shrm(
+        "render", "--env", sky, *materials, "--size", "96x50", "--method", method, "--samples", 1, "-o", path
+    )
+    assert status == 0
+    assert "96 x 50, linear" in out
+    pixels = read_image(path).pixels
+    assert pixels.shape == (50, 96, 3)
+    left, right = pixels[:, :48], pixels[:, 48:]
+    assert np.abs(left - right).max() > 0.1  # two materials
+
+
+def test_methods_agree(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    pictures = []
+    for method in ("shrm", "angular"):
+        path = tmp_path / f"{method}.exr"
+        arguments = ("--env", sky, "--brdf", "lambert:0.7", "--orders", "8,0", "--method", method)
+        assert shrm("render", *arguments, "--size", "32x32", "--samples", 1, "-o", path)[0] == 0
+        pictures.append(read_image(path).pixels)
+    # Light of degree 1 on 16 rows, constant over its texels: (pi/16)^2/6 and less, about 0.5%.
+    np.testing.assert_allclose(pictures[0], pictures[1], rtol=1e-2)
+
+
+def test_render_writes_png_with_alpha(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    from OpenImageIO import FLOAT, ImageBuf
+
+    path = tmp_path / "ball.png"
+    arguments = ("--env", sky, "--brdf", "lambert:0.7", "--size", "40x40", "--no-background", "-o", path)
+    status, out, _ = shrm("render", *arguments)
+    assert status == 0
+    assert "exposure" in out
+    with_alpha = ImageBuf(str(path)).get_pixels(FLOAT)
+    assert with_alpha.shape == (40, 40, 4)
+    assert with_alpha[20, 20, 3] == 1.0
+    assert with_alpha[0, 0, 3] == 0.0
+
+
+def test_render_draws_a_mesh_with_a_texture(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    mesh, texture = tmp_path / "square.obj", tmp_path / "texture.exr"
+    corners = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+    mesh.write_text(corners + "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n")
+    checks = np.zeros((2, 2, 3), np.float32)
+    checks[0, 0], checks[1, 1] = 1.0, 0.5
+    write_image(texture, checks)
+    path = tmp_path / "square.exr"
+    arguments = ("--env", sky, "--brdf", "lambert:1", "--mesh", mesh, "--texture", texture, "--view", "0,0")
+    assert shrm("render", *arguments, "--no-background", "--size", "60x60", "-o", path)[0] == 0
+    with pytest.warns(ImageWarning, match="alpha"):
+        pixels = read_image(path).pixels
+    upper_left, upper_right, lower_left, lower_right = (
+        float(pixels[row, column, 1]) for row in (17, 43) for column in (17, 43)
+    )
+    assert upper_left > 0.1
+    assert lower_right == pytest.approx(0.5 * upper_left, rel=0.02)
+    assert abs(upper_right) < 1e-3
+    assert abs(lower_left) < 1e-3
+
+
+def test_a_real_map_end_to_end(shrm: Command, tmp_path: Path) -> None:
+    source = DATA / "env" / "debevec_grace_cross.hdr"
+    if not source.exists():
+        pytest.skip("the captured environments are not there")
+    path = tmp_path / "grace.exr"
+    assert shrm("prefilter", source, "--brdf", "microfacet:0.3", "-o", path)[0] == 0
+    assert ReflectionMap.load(path).error <= 0.05
+    picture = tmp_path / "grace.png"
+    arguments = ("--env", source, "--brdf", "microfacet:0.3", "--size", "64x64", "-o", picture)
+    assert shrm("render", *arguments)[0] == 0
+    assert picture.stat().st_size > 1000
+
+
+def test_the_demo_leaves_a_folder(shrm: Command, tmp_path: Path) -> None:
+    status, out, _ = shrm("demo", "--size", 12, "-o", tmp_path / "demo")
+    assert status == 0
+    assert "measured" in out
+    names = {path.name for path in (tmp_path / "demo").iterdir()}
+    assert {"spheres.png", "integrated.png", "difference.png"} <= names
+    assert sum(name.endswith(".exr") for name in names) >= 6
+
+
+# --- faults ---------------------------------------------------------------------------------------
+
+
+def test_layouts_are_those_of_the_library() -> None:
+    assert LAYOUTS == layouts.LAYOUTS
+
+
+def one_line(err: str) -> str:
+    lines = [line for line in err.splitlines() if not line.startswith("shrm: warning: ")]
+    assert len(lines) == 1, err
+    assert "Traceback" not in err
+    return lines[0]
+
+
+BROKEN = {
+    "missing": None,
+    "empty": b"",
+    "another kind": b"#include <stdio.h>\nint main() {}\n" * 20,
+}
+
+
+@pytest.mark.parametrize("content", BROKEN.values(), ids=BROKEN.keys())
+@pytest.mark.parametrize("suffix", [".hdr", ".exr", ".png"])
+def test_files_that_are_no_pictures(
+    shrm: Command, tmp_path: Path, content: bytes | None, suffix: str
+) -> None:
+    path, output = tmp_path / f"input{suffix}", tmp_path / "output.exr"
+    if content is not None:
+        path.write_bytes(content)
+    for arguments in (
+        ("info", path),
+        ("convert", path, "-o", output),
+        ("prefilter", path, "--brdf", "lambert:1", "-o", output),
+        ("render", "--env", path, "--brdf", "lambert:1", "-o", output),
+    ):
+        status, _, err = shrm(*arguments)
+        assert status == 1
+        assert str(path) in one_line(err)
+        assert not output.exists()
+
+
+def test_a_truncated_file(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    path = tmp_path / "cut.exr"
+    path.write_bytes(sky.read_bytes()[:-300])
+    status, _, err = shrm("convert", path, "-o", tmp_path / "output.exr")
+    assert status == 1
+    assert str(path) in one_line(err)
+    assert not (tmp_path / "output.exr").exists()
+
+
+def test_an_unknown_aspect(shrm: Command, tmp_path: Path) -> None:
+    path = tmp_path / "odd.exr"
+    write_image(path, np.ones((7, 23, 3), np.float32))
+    status, _, err = shrm("info", path)
+    assert status == 1
+    assert str(path) in one_line(err)
+
+
+def test_texels_that_are_not_finite(shrm: Command, tmp_path: Path) -> None:
+    from OpenImageIO import ROI, ImageBuf, ImageSpec
+
+    path, output = tmp_path / "holes.exr", tmp_path / "output.exr"
+    pixels = np.ones((8, 16, 3), np.float32)
+    pixels[3, 4] = np.nan
+    buffer = ImageBuf(ImageSpec(16, 8, 3, "float"))
+    buffer.set_pixels(ROI(), pixels)
+    buffer.write(str(path))
+    status, _, err = shrm("convert", path, "-o", output)
+    assert status == 1
+    assert str(path) in one_line(err)
+    status, _, err = shrm("convert", path, "--repair", "-o", output)
+    assert status == 0
+    assert err.startswith("shrm: warning: ")
+    assert np.isfinite(read_image(output).pixels).all()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (),
+        ("no-such-command",),
+        ("info",),
+        ("info", "SKY", "--layout", "round"),
+        ("convert", "SKY", "-o", "OUT.png"),
+        ("prefilter", "SKY", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1"),
+        ("prefilter", "SKY", "--brdf", "velvet:1", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "microfacet:0", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "phong:-1", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "ggx:alpha=2", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "ggx:alpha=shiny", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--tolerance", "0", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--tolerance", "nan", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--tolerance", "small", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--orders", "-1,2", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--orders", "3", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--orders", "3,2", "--tolerance", "0.1", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--size", "0", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "-o", "OUT.png"),
+        ("render", "--env", "SKY", "-o", "OUT.png"),
+        ("render", "--env", "SKY", "--brdf", "lambert:1", "-o", "OUT.gif"),
+        ("render", "--env", "SKY", "--brdf", "lambert:1", "--size", "40", "-o", "OUT.png"),
+        ("render", "--env", "SKY", "--brdf", "lambert:1", "--size", "40x0", "-o", "OUT.png"),
+        ("render", "--env", "SKY", "--brdf", "lambert:1", "--fov", "180", "-o", "OUT.png"),
+        ("render", "--env", "SKY", "--brdf", "lambert:1", "--view", "0,91", "-o", "OUT.png"),
+        ("render", "--env", "SKY", "--brdf", "lambert:1", "--exposure", "inf", "-o", "OUT.png"),
+        ("render", "--env", "SKY", "--brdf", "lambert:1", "--near", "--distant", "-o", "OUT.png"),
+    ],
+)
+def test_wrong_command_lines_are_usage_faults(
+    shrm: Command, sky: Path, tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
+    words = [word.replace("SKY", str(sky)).replace("OUT", str(tmp_path / "out")) for word in arguments]
+    status, out, err = shrm(*words)
+    assert status == 2
+    assert "error: " in one_line(err)
+    assert out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("convert", "SKY", "-o", "NOWHERE/out.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "-o", "NOWHERE/out.exr"),
+        ("render", "--env", "SKY", "--brdf", "lambert:1", "--size", "8x8", "-o", "NOWHERE/out.png"),
+        (
+            "render",
+            "--env",
+            "SKY",
+            "--brdf",
+            "lambert:1",
+            "--mesh",
+            "NOWHERE/out.obj",
+            "-o",
+            "FOLDER/out.png",
+        ),
+        (
+            "render",
+            "--env",
+            "SKY",
+            "--brdf",
+            "lambert:1",
+            "--texture",
+            "NOWHERE/out.png",
+            "-o",
+            "FOLDER/x.png",
+        ),
+        ("demo", "--size", "4", "-o", "SKY/out"),
+    ],
+)
+def test_files_that_cannot_be_written_or_read(
+    shrm: Command, sky: Path, tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
+    words = [
+        word.replace("SKY", str(sky))
+        .replace("NOWHERE", str(tmp_path / "no"))
+        .replace("FOLDER", str(tmp_path))
+        for word in arguments
+    ]
+    status, _, err = shrm(*words)
+    assert status == 1
+    assert "out" in one_line(err)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_was_there_survives_a_failure(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    output = tmp_path / "out.exr"
+    output.write_bytes(b"precious")
+    broken = tmp_path / "broken.hdr"
+    broken.write_bytes(b"#?RADIANCE\n")
+    assert shrm("convert", broken, "-o", output)[0] == 1
+    assert output.read_bytes() == b"precious"
+
+
+def test_a_black_map_is_valid(shrm: Command, tmp_path: Path) -> None:
+    path, output = tmp_path / "black.exr", tmp_path / "map.exr"
+    write_image(path, np.zeros((8, 16, 3), np.float32))
+    assert shrm("info", path)[0] == 0
+    assert shrm("prefilter", path, "--brdf", "ggx:0.5", "-o", output)[0] == 0
+    picture = tmp_path / "black.png"
+    assert shrm("render", "--env", path, "--brdf", "ggx:0.5", "--size", "8x8", "-o", picture)[0] == 0
