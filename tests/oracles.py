@@ -185,7 +185,9 @@ def important_views(pixels: npt.ArrayLike, n: int, seed: int) -> tuple[Array, Ar
     density = (1 + 0.5 * square**-0.5 + 0.25 * square**-0.75) / 3
     pixels = np.asarray(pixels, dtype=np.float64)
     H, W, _ = pixels.shape
-    energy = (np.sum(pixels**2, axis=2) * solid_angles(H, W)).reshape(16, H // 16, 32, W // 32).sum(axis=(1, 3))
+    energy = (
+        (np.sum(pixels**2, axis=2) * solid_angles(H, W)).reshape(16, H // 16, 32, W // 32).sum(axis=(1, 3))
+    )
     share = (0.5 * solid_angles(16, 32) / (4 * np.pi) + 0.5 * energy / energy.sum()).ravel()
     cell = np.minimum(np.searchsorted(np.cumsum(share), u[:, 2]), 511)
     edge = np.cos(np.pi * np.arange(17) / 16)

@@ -6,7 +6,6 @@ import numpy as np
 import oracles
 import pytest
 from scipy import integrate, special
-
 from shrm import brdf
 from shrm.brdf_analysis import analyse, gamma_at, gamma_table
 
@@ -118,7 +117,11 @@ def test_zonal_lobes_have_only_q_zero(material):
     assert np.all(rho[:, :, 1:] == 0)
     x, w = np.polynomial.legendre.leggauss(600)
     theta = np.arccos(x)
-    table = material.lobes[0].profile(*(g.ravel() for g in np.meshgrid(theta, theta, indexing="ij"))).reshape(600, 600)
+    table = (
+        material.lobes[0]
+        .profile(*(g.ravel() for g in np.meshgrid(theta, theta, indexing="ij")))
+        .reshape(600, 600)
+    )
     for l, p in [(0, 0), (1, 1), (4, 2), (5, 5), (10, 6)]:
         expected = (2 * np.pi) ** 2 * (w * f(l, 0, theta)) @ table @ (w * f(p, 0, theta))
         assert rho[l, p, 0, 0] == pytest.approx(expected, abs=1e-4 * np.abs(rho).max())

@@ -15,7 +15,6 @@ import numpy as np
 import oracles
 import pytest
 from data import require
-
 from shrm import Environment, ImageWarning, ToleranceWarning, brdf, prefilter
 
 ENVIRONMENTS = {

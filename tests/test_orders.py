@@ -5,7 +5,6 @@ import warnings
 import numpy as np
 import pytest
 from data import require
-
 from shrm import brdf, orders
 from shrm.environment import Environment
 from shrm.orders import LightPower, ToleranceWarning, analysed, choose, error_of
@@ -58,7 +57,9 @@ def test_phong_orders(s, F):
 
 def test_skin_needs_the_papers_order():
     """[RH02] section 7.1: P = 4 suffices for an error below .03, everything about the reflection."""
-    skin = brdf.Lafortune.read(require("brdf/lafortune_pbrt1.json"), "skin").recentred("reflection", merge=True)
+    skin = brdf.Lafortune.read(require("brdf/lafortune_pbrt1.json"), "skin").recentred(
+        "reflection", merge=True
+    )
     assert choose(skin, 0.03, "brdf", F_max=60).P == 4
     assert 1 - captured(skin, 60, 3) > 0.03 > 1 - captured(skin, 60, 4)
 
@@ -124,7 +125,9 @@ def test_minimum_is_the_smaller_of_the_two():
     power = LightPower.of(env, 60)
     least = error_of(brdf.GGX(0.2), [(10, 3)], power, "minimum").error
     light = 1 - power.degrees[:11].sum() / (power.degrees.sum() + power.rest.sum())
-    assert least == pytest.approx(min(light, error_of(brdf.GGX(0.2), [(10, 3)], power, "brdf").error), rel=1e-9)
+    assert least == pytest.approx(
+        min(light, error_of(brdf.GGX(0.2), [(10, 3)], power, "brdf").error), rel=1e-9
+    )
 
 
 def test_caps_are_named_and_the_error_is_told():

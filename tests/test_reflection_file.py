@@ -3,7 +3,6 @@
 import numpy as np
 import oracles
 import pytest
-
 from shrm import Environment, ImageError, ReflectionMap, brdf, explicit, image_io, prefilter
 
 MATERIALS = [

@@ -9,9 +9,9 @@ namespace shrm {
 namespace {
 
 constexpr double most_bend = 1.0 / 64;  // in texels, of a piece of an edge that is taken as straight
-constexpr int most_splits = 6;           // of a texel where the other picture has a seam
-constexpr double accuracy = 1e-4;        // of the marginals that is enough
-constexpr double relaxation = 1.5;       // of the fitting: errors that span many texels fall faster
+constexpr int most_splits = 6;          // of a texel where the other picture has a seam
+constexpr double accuracy = 1e-4;       // of the marginals that is enough
+constexpr double relaxation = 1.5;      // of the fitting: errors that span many texels fall faster
 
 std::size_t index(int i, int j, int width) {
     return static_cast<std::size_t>(i) * static_cast<std::size_t>(width) + static_cast<std::size_t>(j);

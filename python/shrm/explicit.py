@@ -107,7 +107,11 @@ def three_dimensional_texture(rm: ReflectionMap, T: int) -> Float32Array:
 
 
 def fit(
-    maps: npt.ArrayLike, views: npt.ArrayLike, P: int, center: Center = "reflection", name: str = "explicit set"
+    maps: npt.ArrayLike,
+    views: npt.ArrayLike,
+    P: int,
+    center: Center = "reflection",
+    name: str = "explicit set",
 ) -> ReflectionMap:
     """Return the SHRM that fits an explicit set of reflection maps, by least squares over its views.
 
@@ -138,7 +142,12 @@ def fit(
     pixels = real_array("maps", maps)
     one_of("center", center, ("reflection", "normal", "tangent"))
     whole_number("P", P, 0, 24)
-    if pixels.ndim != 4 or len(pixels) != len(V) or pixels.shape[2] != 2 * pixels.shape[1] or pixels.shape[3] != 3:
+    if (
+        pixels.ndim != 4
+        or len(pixels) != len(V)
+        or pixels.shape[2] != 2 * pixels.shape[1]
+        or pixels.shape[3] != 3
+    ):
         raise ValueError(f"maps has the shape {pixels.shape}, but needs ({len(V)}, H, 2 H, 3)")
     if pixels.shape[1] % 2:
         raise ValueError(f"maps needs an even number of rows, got {pixels.shape[1]}")
@@ -172,4 +181,3 @@ def _azimuthal_mean(part: Part) -> FloatArray:
         rows = slice(p * p, (p + 1) * (p + 1))
         means.append(np.sqrt(4 * np.pi / (2 * p + 1)) * (maps[rows] * Y[rows, ..., None]).sum(axis=0))
     return np.stack(means)
-

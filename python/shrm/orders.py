@@ -182,7 +182,7 @@ def choose(
 
 def degrees_tried(F_max: int) -> list[int]:
     """Return the largest degrees that are analysed, one after the other, until the tolerance is met."""
-    return [*(L for L in _ENLARGEMENTS if L < F_max), F_max]
+    return [*(L for L in _ENLARGEMENTS if F_max > L), F_max]
 
 
 def analysis_degree(F: int, F_max: int) -> int:
@@ -291,7 +291,9 @@ class _Measure:
         light_above = self.power.degrees[F + 1 :].sum(axis=0) + self.power.rest
         brdf_above = self.degree_energy[F + 1 :].sum(axis=0) + self.unresolved
         in_degrees = np.maximum(self.degree_energy[: F + 1] - captured[: F + 1], 0.0)
-        residual = float((light_above * brdf_above).sum() / (2 * F + 3) + (self.light[: F + 1] * in_degrees).sum())
+        residual = float(
+            (light_above * brdf_above).sum() / (2 * F + 3) + (self.light[: F + 1] * in_degrees).sum()
+        )
         kept = float((self.light[: F + 1] * captured[: F + 1]).sum())
         return self.total * residual / max(kept + residual, 1e-300)
 

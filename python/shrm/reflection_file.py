@@ -97,7 +97,9 @@ def load(path: str | Path) -> ReflectionMap:
         raise ImageError(f"{path}: no reflection map (it has no part 0.maps with shrm's metadata)")
     about = images["0.maps"].metadata
     if about["shrm:version"] != VERSION:
-        raise ImageError(f"{path}: a reflection map of version {about['shrm:version']}, this reads version {VERSION}")
+        raise ImageError(
+            f"{path}: a reflection map of version {about['shrm:version']}, this reads version {VERSION}"
+        )
     try:
         parts = tuple(_part(images, k) for k in range(_number(about, "shrm:lobes")))
         error = float(cast(float, about["shrm:error"]))
@@ -135,7 +137,9 @@ def _part(images: Mapping[str, image_io.Part], k: int) -> Part:
         if len(gamma) < 2:
             raise ValueError("a table of gamma with one entry")
     maps = picture.pixels.reshape(rows, columns, channels // 3, 3)
-    part = Part(cast(Center, center), gamma, zonal, cast(Layout, layout), light, rho, maps.transpose(0, 2, 3, 1))
+    part = Part(
+        cast(Center, center), gamma, zonal, cast(Layout, layout), light, rho, maps.transpose(0, 2, 3, 1)
+    )
     if layout == "cube":
         return _bordered(part, maps)
     if rows % 2 or columns != 2 * rows:
@@ -153,14 +157,18 @@ def _bordered(part: Part, maps: npt.NDArray[np.float32]) -> Part:
     rings = synthesised(part.coefficients, N, "cube")
     side = N + 2 * BORDER
     faces = rings.reshape(6, side, *rings.shape[1:])
-    faces[:, BORDER:-BORDER, ..., BORDER:-BORDER] = maps.reshape(6, N, *maps.shape[1:]).transpose(0, 1, 3, 4, 2)
+    faces[:, BORDER:-BORDER, ..., BORDER:-BORDER] = maps.reshape(6, N, *maps.shape[1:]).transpose(
+        0, 1, 3, 4, 2
+    )
     return Part(part.center, part.gamma, part.zonal, "cube", part.light, part.rho, rings)
 
 
 def _image(
     name: str, pixels: npt.NDArray[Any], channels: str | list[str], about: Mapping[str, Any] | None = None
 ) -> image_io.Part:
-    return image_io.Part(name, np.ascontiguousarray(pixels, dtype=np.float32), list(channels), dict(about or {}))
+    return image_io.Part(
+        name, np.ascontiguousarray(pixels, dtype=np.float32), list(channels), dict(about or {})
+    )
 
 
 def _pixels(images: Mapping[str, image_io.Part], name: str, shape: tuple[int | None, ...]) -> FloatArray:

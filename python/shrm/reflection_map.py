@@ -122,7 +122,9 @@ class Part:
             return _core.global_coefficients(light=self.light, rho=self.rho)
         l = np.repeat(np.arange(self.F + 1), 2 * np.arange(self.F + 1) + 1)
         # B_p0 = sum_lm L_lm rho_lp0 d^l_m0 e^{i m beta} and Y_lm = sqrt((2l+1)/4pi) d^l_m0 e^{i m beta}, eq. 14
-        return np.asarray(self.light[:, None, :] * (np.sqrt(4 * np.pi / (2 * l + 1))[:, None, None] * self.rho[l, :, 0]))
+        return np.asarray(
+            self.light[:, None, :] * (np.sqrt(4 * np.pi / (2 * l + 1))[:, None, None] * self.rho[l, :, 0])
+        )
 
     def local_maps(self, H: int, W: int | None = None) -> Float32Array:
         """Return the local form B_pq(alpha, beta) [RH02 eq. 14] on a lat-long grid.
@@ -291,7 +293,9 @@ class ReflectionMap:
             if part.center == "lobe":
                 lobes += 1
                 name = "lobe" if lobes == 1 else f"lobe {lobes}"
-            rings = _core.view_map(rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V)
+            rings = _core.view_map(
+                rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V
+            )
             if part.layout == "cube":
                 side = rings.shape[1]
                 inner = slice(BORDER, side - BORDER)

@@ -161,7 +161,9 @@ def _coefficients(coefficients: npt.ArrayLike) -> FloatArray:
     if array.ndim == 1:
         array = array[:, None]
     if array.ndim != 2 or 0 in array.shape:
-        raise ValueError(f"coefficients must have the shape ((F+1)^2, channels), got {np.shape(coefficients)}")
+        raise ValueError(
+            f"coefficients must have the shape ((F+1)^2, channels), got {np.shape(coefficients)}"
+        )
     if degree_of(array) > MAX_DEGREE:
         raise ValueError(f"coefficients must have degrees up to {MAX_DEGREE} at most, got {degree_of(array)}")
     return np.ascontiguousarray(array)
