@@ -9,15 +9,16 @@ namespace shrm {
 namespace {
 
 constexpr double most_bend = 1.0 / 64;  // in texels, of a piece of an edge that is taken as straight
-constexpr int most_splits = 6;           // of a texel where the other picture has a seam
-constexpr double accuracy = 1e-4;        // of the marginals that is enough
-constexpr double relaxation = 1.5;       // of the fitting: errors that span many texels fall faster
+constexpr int most_splits = 6;          // of a texel where the other picture has a seam
+constexpr double accuracy = 1e-4;       // of the marginals that is enough
+constexpr double relaxation = 1.5;      // of the fitting: errors that span many texels fall faster
 
 std::size_t index(int i, int j, int width) {
     return static_cast<std::size_t>(i) * static_cast<std::size_t>(width) + static_cast<std::size_t>(j);
 }
 
-// A convex polygon of at most eight corners: a quadrilateral cut by a square.
+// A convex polygon of at most eight corners: a quadrilateral cut by a square. (One that is folded, at
+// a pole, could have more: they are dropped.)
 struct Polygon {
     std::array<glm::dvec2, 8> corner;
     std::size_t count = 0;
@@ -28,11 +29,14 @@ struct Polygon {
         for (std::size_t k = 0; k < count; ++k) {
             const glm::dvec2 p = corner[k], q = corner[(k + 1) % count];
             const double dp = sign * (p[axis] - bound), dq = sign * (q[axis] - bound);
-            if (dp >= 0) kept.corner[kept.count++ % 8] = p;
-            if ((dp < 0) != (dq < 0)) kept.corner[kept.count++ % 8] = p + dp / (dp - dq) * (q - p);
+            if (dp >= 0) kept.add(p);
+            if ((dp < 0) != (dq < 0)) kept.add(p + dp / (dp - dq) * (q - p));
         }
-        kept.count = std::min<std::size_t>(kept.count, 8);
         return kept;
+    }
+
+    void add(const glm::dvec2& p) {
+        if (count < corner.size()) corner[count++] = p;
     }
 
     double area() const {
@@ -87,7 +91,7 @@ class Cutter {
   private:
     struct Point {
         glm::dvec2 at;   // in the other picture
-        double density;  // 0 outside the own layout's domain
+        double density;  // -1 outside the own layout's domain
     };
 
     Point point(double x, double y) const {
