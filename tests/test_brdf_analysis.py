@@ -132,7 +132,7 @@ def test_channels_have_their_own_coefficients():
     for c, f0 in enumerate(colours):
         alone = analyse(brdf.GGX(0.3, f0=f0).recentred("reflection").lobes[0], 16, 3).coefficients(16, 3)
         # they share nodes graded to the sharpest channel: a quadrature error apart
-        np.testing.assert_allclose(about_R[..., c], alone[..., 0], atol=1e-7 * np.abs(alone).max())
+        np.testing.assert_allclose(about_R[..., c], alone[..., 0], atol=1e-5 * np.abs(alone).max())
 
 
 @pytest.mark.parametrize("material", [brdf.GGX(0.1), brdf.GGX(0.5), brdf.Microfacet(0.2), brdf.Beckmann(0.3)])

@@ -8,11 +8,10 @@ namespace shrm {
 
 namespace {
 
-constexpr double most_bend = 1.0 / 256;  // in texels, of a piece of an edge that is taken as straight
+constexpr double most_bend = 1.0 / 64;  // in texels, of a piece of an edge that is taken as straight
 constexpr int most_splits = 6;           // of a texel where the other picture has a seam
-constexpr double accuracy = 5e-5;        // of the marginals: what is enough,
-constexpr int most_rounds = 20;          // how often to try,
-constexpr double relaxation = 1.5;  // and how far to step: beyond 1, errors that span many texels fall faster
+constexpr double accuracy = 1e-4;        // of the marginals that is enough
+constexpr double relaxation = 1.5;       // of the fitting: errors that span many texels fall faster
 
 std::size_t index(int i, int j, int width) {
     return static_cast<std::size_t>(i) * static_cast<std::size_t>(width) + static_cast<std::size_t>(j);
@@ -217,7 +216,7 @@ void multiply(const std::vector<OverlapRow>& own, const std::vector<OverlapRow>&
               const std::vector<double>& values, std::vector<double>& sums) {
     const std::size_t width = sums.size() / own.size(), other_width = values.size() / other.size();
     const auto rows = static_cast<std::ptrdiff_t>(own.size());
-#pragma omp parallel for
+#pragma omp parallel for if (sums.size() > 20'000)
     for (std::ptrdiff_t i = 0; i < rows; ++i) {
         const auto& row = own[static_cast<std::size_t>(i)];
         for (std::size_t j = 0; j < width; ++j) {
@@ -254,7 +253,8 @@ Conversion::Conversion(const Picture& source, const Picture& target, const glm::
     source_scale_.assign(source_areas.size(), 1);
     target_scale_.assign(target_areas.size(), 1);
     std::vector<double> sums(source_areas.size());
-    for (int round = 0;; ++round) {
+    const std::size_t most_rounds = 20 + 300'000 / (source_areas.size() + target_areas.size());
+    for (std::size_t round = 0;; ++round) {
         multiply(source_smaller_, target_smaller_, target_scale_, sums);
         residual_ = 0;
         for (std::size_t i = 0; i < sums.size(); ++i)

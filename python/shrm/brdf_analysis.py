@@ -64,9 +64,14 @@ class Quadrature:
 
 def gauss(a: FloatArray, b: FloatArray, n: int) -> tuple[FloatArray, FloatArray]:
     """Gauss-Legendre nodes and weights on [a, b], along a new last axis."""
-    x, w = np.polynomial.legendre.leggauss(n)
+    x, w = _leggauss(n)
     half = (b - a)[..., None] / 2
     return a[..., None] + half * (x + 1), half * w
+
+
+@lru_cache(maxsize=256)
+def _leggauss(n: int) -> tuple[FloatArray, FloatArray]:
+    return np.polynomial.legendre.leggauss(n)
 
 
 def _panels(edges: FloatArray, L: int, least: int) -> tuple[FloatArray, FloatArray]:
@@ -82,7 +87,7 @@ def _panels(edges: FloatArray, L: int, least: int) -> tuple[FloatArray, FloatArr
     return np.concatenate(nodes, axis=1), np.concatenate(weights, axis=1)
 
 
-def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int) -> Quadrature:
+def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int, least: int = 10) -> Quadrature:
     """Nodes for lobes that end at N.L = 0, exact about that edge.
 
     Parameters
@@ -95,13 +100,15 @@ def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int) -> Quadr
         Largest degree to be integrated.
     K : int
         Azimuths for each colatitude.
+    least : int
+        Colatitudes in each panel.
     """
     full = np.pi / 2 - gamma  # below, the whole circle is above the horizon; above, an arc of it
     rungs = width * 2.0 ** np.arange(np.ceil(np.log2(np.pi / width)))
     inner = np.minimum(np.concatenate([[0.0], rungs])[None, :], full[:, None])
     outer = full[:, None] + 2 * gamma[:, None] * np.array([0.0, 0.25, 1.0])
     edges = np.concatenate([inner, outer], axis=1)
-    theta_i, weight = _panels(edges, L, least=10)
+    theta_i, weight = _panels(edges, L, least)
     # N.L > 0: cos(phi) > -cot(gamma) cot(theta_i)
     with np.errstate(divide="ignore"):
         limit = -1 / (np.tan(gamma[:, None]) * np.tan(theta_i))
@@ -252,7 +259,7 @@ def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
 
 def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
     """No azimuth: only q = 0. V uniform on the sphere."""
-    x, w = np.polynomial.legendre.leggauss(max(96, 8 * (P + 1)))
+    x, w = _leggauss(max(96, 8 * (P + 1)))
     theta_o, weight = np.arccos(x), w / 2
     nodes = _uniform_quadrature(len(x), L, K=1)
     shape = nodes.phi.shape
@@ -262,14 +269,14 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
 
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
-    views, K = (32, 32) if P <= 3 and L <= 32 else (64, 48)
+    views, K, least = (24, 24, 8) if P <= 3 and L <= 32 else (64, 48, 10)
     # cos^2(theta_v) uniform, as cos(2 theta_v) uniform on [-1, 1]
-    x, w = np.polynomial.legendre.leggauss(views)
+    x, w = _leggauss(views)
     theta_v, weight = np.arccos(x) / 2, w / 2
     measured, width = _lobe_centre(lobe)
     gamma = measured if lobe.center == "lobe" else gamma_table(lobe.center)
     at_view = gamma_at(gamma, theta_v)
-    nodes = horizon_quadrature(at_view, width, L, K)
+    nodes = horizon_quadrature(at_view, width, L, K, least)
     Q = min(L, max(P, 8 if P <= 3 and L <= 32 else 24))
     table = _tabulate(lobe, theta_v, at_view, nodes)
     g, energy = _project(table, nodes, L, Q)
@@ -296,8 +303,8 @@ def _tabulate(lobe: Lobe, theta_v: FloatArray, gamma: FloatArray, nodes: Quadrat
 @lru_cache(maxsize=64)
 def _lobe_centre(lobe: Lobe) -> tuple[FloatArray, float]:
     """The table of gamma for the mean direction of rho_hat^2, and the angle that holds half the energy."""
-    theta_v = np.linspace(0, _GRAZING, 33)
-    nodes = horizon_quadrature(theta_v, 0.01, L=0, K=24)  # about R, from a hundredth of a radian outwards
+    theta_v = np.linspace(0, _GRAZING, 25)
+    nodes = horizon_quadrature(theta_v, 0.01, L=0, K=16, least=6)  # about R, from a hundredth of a radian outwards
     energy = (_tabulate(lobe, theta_v, theta_v, nodes) ** 2).sum(axis=-1)
     energy *= nodes.weight_theta[..., None] * nodes.weight_phi
     along_x = (energy * np.sin(nodes.theta_i)[..., None] * np.cos(nodes.phi)).sum(axis=(1, 2))

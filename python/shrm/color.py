@@ -49,8 +49,7 @@ def xyz_from_rgb(chromaticities: Sequence[float]) -> Matrix:
     primaries = np.stack([_xyz(c[0], c[1]), _xyz(c[2], c[3]), _xyz(c[4], c[5])], axis=1)
     if abs(np.linalg.det(primaries)) < 1e-6:
         raise ValueError("chromaticities of red, green and blue lie on one line")
-    matrix: Matrix = primaries * np.linalg.solve(primaries, _xyz(c[6], c[7]))
-    return matrix
+    return np.asarray(primaries * np.linalg.solve(primaries, _xyz(c[6], c[7])), dtype=np.float64)
 
 
 def rec709_from_rgb(chromaticities: Sequence[float]) -> Matrix:
@@ -61,13 +60,12 @@ def rec709_from_rgb(chromaticities: Sequence[float]) -> Matrix:
     to_xyz = xyz_from_rgb(chromaticities)
     white, d65 = to_xyz.sum(axis=1), xyz_from_rgb(REC709).sum(axis=1)
     adapt = np.linalg.solve(_BRADFORD, np.diag(_BRADFORD @ d65 / (_BRADFORD @ white)) @ _BRADFORD)
-    matrix: Matrix = np.linalg.solve(xyz_from_rgb(REC709), adapt @ to_xyz)
-    return matrix
+    return np.asarray(np.linalg.solve(xyz_from_rgb(REC709), adapt @ to_xyz), dtype=np.float64)
 
 
 def rec709_from_xyz() -> Matrix:
     """Return the (3, 3) matrix from CIE XYZ to linear Rec. 709."""
-    return np.linalg.inv(xyz_from_rgb(REC709))
+    return np.asarray(np.linalg.inv(xyz_from_rgb(REC709)), dtype=np.float64)
 
 
 def linear_from_srgb(encoded: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:

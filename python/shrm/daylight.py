@@ -1,9 +1,10 @@
 """Daylight from published formulas: the sky, the sun and a plain ground.
 
-The sky's luminance and chromaticity are Perez distributions with the zenith's values [PSS99, eqs. 3, 4 and
-appendix A.2]. The sun is a black body of 5778 K [Planck], dimmed by the atmosphere's Rayleigh scattering
-and haze [PSS99, appendix A.1]; ozone and water vapour are left out (less than 5%). Colors come from spectra by
-the CIE 1931 observer, approximated by [WSS13]. The ground is a diffuse plane of one albedo, lit by sky and sun.
+The sky's luminance and chromaticity are Perez distributions with the zenith's values [PSS99, eqs. 3, 4
+and appendix A.2]. The sun is a black body of 5778 K [Planck], dimmed by the atmosphere's Rayleigh scattering
+and haze [PSS99, appendix A.1]; ozone and water vapour are left out (less than 5%). Colors come from spectra
+by the CIE 1931 observer, approximated by [WSS13]. The ground is a diffuse plane of one albedo, lit by sky and
+sun.
 
 References
 ----------
@@ -89,7 +90,7 @@ _PEREZ = {
     "x": ((-0.0193, -0.2592), (-0.0665, 0.0008), (-0.0004, 0.2125), (-0.0641, -0.8989), (-0.0033, 0.0452)),
     "y": ((-0.0167, -0.2608), (-0.0950, 0.0092), (-0.0079, 0.2102), (-0.0441, -1.6537), (-0.0109, 0.0529)),
 }
-# Zenith chromaticities: (T^2, T, 1) M (s^3, s^2, s, 1), s the sun's angle from the zenith [PSS99, appendix A.2].
+# Zenith chromaticities: (T^2, T, 1) M (s^3, s^2, s, 1), s the sun's zenith angle [PSS99, appendix A.2].
 _ZENITH = {
     "x": (
         (0.00166, -0.00375, 0.00209, 0.0),
@@ -155,8 +156,8 @@ def daylight_pixels(
 ) -> npt.NDArray[np.float32]:
     """Return daylight as a lat-long picture of size x 2 size, size even; the arguments are valid already.
 
-    The sun's light is cut into equal parts over its disc, and each part goes to the texel in which it lies, so
-    that the sum is right at every size.
+    The sun's light is cut into equal parts over its disc, and each part goes to the texel in which it lies,
+    so that the sum is right at every size.
     """
     elevation, azimuth = math.radians(sun_elevation), math.radians(sun_azimuth)
     sun = np.array(

@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from shrm import _core, daylight, image_io, layouts
+import shrm._core as _core
+from shrm import daylight, image_io, layouts
 
 __all__ = ["Environment"]
 
@@ -124,7 +125,7 @@ class Environment:
                     raise image_io.ImageError(
                         f"{path}: a picture of {size} is too small to be an environment"
                     )
-                layout = layout or layouts.recognise(*pixels.shape[:2], image.layout)
+                layout = layout or layouts.recognise(pixels.shape[0], pixels.shape[1], image.layout)
             height, width = pixels.shape[:2]
             if layout == "latlong":
                 return cls(pixels)
@@ -141,8 +142,8 @@ class Environment:
         Parameters
         ----------
         path : path
-            ``.exr`` (float32), ``.hdr`` (0.4% per value), ``.pfm`` or ``.tif``. For ``faces``, ``{}`` stands for
-            px nx py ny pz nz; without it they follow the name (``sky.exr``: ``sky_px.exr``, ...).
+            ``.exr`` (float32), ``.hdr`` (0.4% per value), ``.pfm`` or ``.tif``. For ``faces``, ``{}``
+            stands for px nx py ny pz nz; without it they follow the name (``sky.exr``: ``sky_px.exr``, ...).
         layout : str
             One of `shrm.layouts.LAYOUTS`.
         size : int, optional
@@ -250,7 +251,8 @@ class Environment:
         Returns
         -------
         (n, 3) float32
-            E(N) = sum over l <= 2 of A_l L_lm Y_lm(N) [RH01, eq. 8]; a diffuse surface reflects albedo / pi of it.
+            E(N) = sum over l <= 2 of A_l L_lm Y_lm(N) [RH01, eq. 8]; a diffuse surface reflects
+            albedo / pi of it.
         """
         n = np.asarray(normals, dtype=np.float64)
         if n.ndim != 2 or n.shape[1] != 3:
@@ -258,7 +260,8 @@ class Environment:
         if not np.allclose(np.einsum("ij,ij->i", n, n), 1.0, rtol=0, atol=2e-3):
             raise ValueError("normals must be unit vectors")
         A = np.array([math.pi] + 3 * [2 * math.pi / 3] + 5 * [math.pi / 4])  # [RH01] eq. 9
-        return ((_basis(n) * A) @ self.coefficients(2)).astype(np.float32)
+        result: npt.NDArray[np.float32] = ((_basis(n) * A) @ self.coefficients(2)).astype(np.float32)
+        return result
 
     @classmethod
     def daylight(

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import OpenImageIO as oiio
+import OpenImageIO as oiio  # noqa: N813 - its own name for itself
 
 from shrm import color
 
@@ -419,7 +419,7 @@ def _to_rec709(path: PathLike, pixels: Pixels, metadata: Mapping[str, Any]) -> P
 
 def _finite(path: PathLike, pixels: Pixels, repair: bool) -> Pixels:
     """Refuse or repair texels that are NaN or infinite."""
-    bad = ~np.isfinite(pixels).all(axis=2)
+    bad: npt.NDArray[np.bool_] = np.logical_not(np.isfinite(pixels).all(axis=2))
     count = int(np.count_nonzero(bad))
     if not count:
         return pixels

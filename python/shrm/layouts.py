@@ -27,7 +27,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from shrm import _core
+import shrm._core as _core
 
 __all__ = [
     "LAYOUTS",
@@ -158,7 +158,7 @@ def rays(layout: str, height: int, width: int, positions: npt.NDArray[np.float64
 
 
 def directions(layout: str, height: int, width: int) -> npt.NDArray[np.float64]:
-    """Return where the centres of the texels look: (height, width, 3) unit vectors, NaN outside the layout."""
+    """Return where texel centres look: (height, width, 3) unit vectors, NaN outside the layout."""
     x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
     centres = np.stack([x.ravel(), y.ravel()], axis=1)
     return rays(layout, height, width, centres).reshape(height, width, 3)
@@ -221,7 +221,7 @@ def convert(
     height, width = shape(target, size) if isinstance(size, int) else size
     names = _core_name(source), _core_name(target)
     if names[0] == names[1] and rotation is None and pixels.shape[:2] == (height, width):
-        return pixels.copy()
+        return np.where(solid_angles(target, height, width)[:, :, None] > 0, pixels, np.float32(0))
     turn = np.eye(3) if rotation is None else np.ascontiguousarray(rotation, dtype=np.float64)
     result: npt.NDArray[np.float32]
     result, _ = _core.convert(

@@ -129,20 +129,20 @@ def prefilter(
         return error_of(brdf, lobe_orders, power, criterion, windows).error
 
     parts = [_unsampled(lobe, light, *pair, w) for lobe, pair, w in zip(lobes, lobe_orders, windows, strict=True)]
-    spectra = [degree_power(part.coefficients.reshape(len(part.coefficients), -1)).sum(axis=1) for part in parts]
+
+    def between_texels(size: int) -> float:
+        return interpolation_error([map_spectrum(part) for part in parts], size, layout)
+
     if size is None:
         wanted = 0.1 * max(truncation_error(), 1e-3)
-        size = next((s for s in _SIZES if interpolation_error(spectra, s, layout) <= wanted), _SIZES[-1])
+        size = next((s for s in _SIZES if between_texels(s) <= wanted), _SIZES[-1])
+    chosen_size = size
+
+    def predict() -> float:
+        return float(np.hypot(truncation_error(), between_texels(chosen_size) if criterion == "light" else 0.0))
+
     sampled = tuple(part.resized(size, layout) for part in parts)
-    between_texels = interpolation_error(spectra, size, layout)
-    return ReflectionMap(
-        sampled,
-        brdf.name,
-        criterion,
-        window,
-        clamp,
-        lambda: float(np.hypot(truncation_error(), between_texels if criterion == "light" else 0.0)),
-    )
+    return ReflectionMap(sampled, brdf.name, criterion, window, clamp, predict)
 
 
 def degree_window(name: Window | None, F: int) -> FloatArray:
@@ -153,6 +153,11 @@ def degree_window(name: Window | None, F: int) -> FloatArray:
     if name == "lanczos":
         return np.asarray(np.sinc(x))
     return np.ones(F + 1)
+
+
+def map_spectrum(part: Part) -> FloatArray:
+    """Energy of each degree of a part's maps, all maps and channels together: (J+1,)."""
+    return np.asarray(degree_power(part.coefficients.reshape(len(part.coefficients), -1)).sum(axis=1))
 
 
 def interpolation_error(spectra: list[FloatArray], size: int, layout: Layout) -> float:

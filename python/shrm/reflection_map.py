@@ -112,7 +112,7 @@ class Part:
         z = np.broadcast_to(np.cos(theta), (H, W))
         return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), z], axis=-1)
 
-    @property
+    @cached_property
     def coefficients(self) -> FloatArray:
         """Spherical harmonic coefficients of the maps: the exact, resolution-free form.
 
