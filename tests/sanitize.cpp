@@ -8,8 +8,12 @@
 
 #include <glm/glm.hpp>
 
+#include "shrm/angular.hpp"
 #include "shrm/brdf_analysis.hpp"
 #include "shrm/core.hpp"
+#include "shrm/grid.hpp"
+#include "shrm/layouts.hpp"
+#include "shrm/radiance.hpp"
 #include "shrm/reflection_map.hpp"
 #include "shrm/sh.hpp"
 #include "shrm/wigner.hpp"
@@ -46,6 +50,30 @@ struct Extent {
     int H, W;
 };
 constexpr Extent extents[] = {{1, 1}, {1, 2}, {3, 5}, {5, 7}, {7, 16}, {16, 32}, {17, 33}};
+
+// Every layout at its smallest sizes, into and out of a lat-long picture.
+void pictures() {
+    struct Named {
+        const char* name;
+        int height, width;
+    };
+    const Named pictures[] = {
+        {"latlong", 2, 4},         {"latlong", 5, 9},          {"openexr-latlong", 3, 5},
+        {"vertical-cross", 4, 3},  {"vertical-cross", 20, 15}, {"horizontal-cross", 9, 12},
+        {"strip", 3, 18},          {"strip", 18, 3},           {"openexr-cube", 18, 3},
+        {"angular", 2, 2},         {"angular", 7, 7},          {"mirror-ball", 5, 5},
+        {"dual-paraboloid", 4, 8}, {"octahedral", 1, 1},       {"octahedral", 5, 5}};
+    const shrm::Picture latlong{shrm::make_layout("latlong", 6, 11), 6, 11};
+    const glm::dmat3 turn(0.8, 0.6, 0, -0.6, 0.8, 0, 0, 0, 1);
+    for (const auto& [name, height, width] : pictures) {
+        const shrm::Picture picture{shrm::make_layout(name, height, width), height, width};
+        shrm::solid_angles(picture.layout, height, width);
+        auto here = random_values<float>(size(height) * size(width) * 3);
+        auto there = random_values<float>(size(6 * 11 * 3));
+        shrm::Conversion(picture, latlong, turn).apply(here, 3, there);
+        shrm::Conversion(latlong, picture, glm::dmat3(1)).apply(there, 3, here);
+    }
+}
 
 void harmonics() {
     for (const auto [H, W] : extents)
@@ -110,12 +138,75 @@ void reflection_maps() {
         }
 }
 
+void radiance() {
+    const auto gamma = random_values<double>(257);
+    const auto normals = random_directions(33), views = random_directions(33);
+    for (const auto layout : {shrm::MapLayout::latlong, shrm::MapLayout::cube})
+        for (const auto [N, P] : {Extent{1, 0}, Extent{3, 1}, Extent{4, 3}})
+            for (bool zonal : {false, true})
+                for (bool bilinear : {false, true}) {
+                    const bool cube = layout == shrm::MapLayout::cube;
+                    const int H = cube ? 6 * (N + 2 * shrm::cube_border) : N;
+                    const int W = cube ? N + 2 * shrm::cube_border : 2 * N;
+                    shrm::ReflectionMapView map{layout, H, W, P, zonal, {}};
+                    const auto rings = random_values<float>(size(H) * size(map.maps()) * 3 * size(W));
+                    map.rings = rings;
+                    std::vector<float> values(normals.size() * 3), pixels(size(H) * size(W) * 3);
+                    for (auto centre : {shrm::Centre::reflection, shrm::Centre::normal, shrm::Centre::tangent,
+                                        shrm::Centre::lobe}) {
+                        shrm::add_radiance(map, centre, gamma, normals, views, bilinear, values);
+                        shrm::add_radiance(map, centre, gamma, normals, std::span(views).first(1), bilinear,
+                                           values);
+                    }
+                    shrm::view_map(map, views[1], pixels);
+                }
+}
+
+void integrators() {
+    namespace angular = shrm::angular;
+    const int nodes = 5;
+    const auto axes = random_directions(9);
+    std::vector<glm::dvec3> views(axes.size());
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+        const double side = glm::dot(axes[k], axes[(k + 1) % axes.size()]) < 0 ? -1 : 1;
+        views[k] = glm::normalize(axes[k] + 0.9 * side * axes[(k + 1) % axes.size()]);
+    }
+    for (const auto [H, W] : {Extent{1, 1}, Extent{2, 4}, Extent{7, 13}, Extent{16, 32}})
+        for (int channels : {1, 3})
+            for (int subsamples : {1, 2}) {
+                const auto planes = random_values<float>(3 * size(H) * size(angular::row_length(W)));
+                const angular::Picture picture{planes, H, W, subsamples};
+                std::vector<float> out(axes.size() * 3), map(size(3 * 5 * 3));
+
+                const auto radial = random_values<float>(size(channels) * size(nodes + 2));
+                for (double outer : {0.3, shrm::pi}) {
+                    angular::integrate_radial(picture, {radial, channels, nodes}, {0, outer}, axes, out);
+                    angular::integrate_radial_map(picture, {radial, channels, nodes}, outer, 3, 5, map);
+                }
+
+                const auto zonal = random_values<float>(3 * radial.size());
+                const std::vector<angular::Band> bands{{0, 1}, {0.5, 2}, {0, shrm::pi}};
+                const std::vector<double> theta_o{0, 0.1, 0.7, 1.2, 1.6, 2, 2.5, 3, shrm::pi};
+                angular::integrate_zonal(picture, {zonal, bands, 3, channels, nodes}, axes, theta_o, out);
+
+                const auto envelope = random_values<float>(size(nodes + 2));
+                const auto ratio =
+                    random_values<float>(size(3) * size(channels) * size((nodes + 2) * (nodes + 2)));
+                const std::vector<angular::IsotropicTable::Cap> caps(size(3), {0.2, 1.2});
+                angular::integrate_isotropic(
+                    picture, {envelope, ratio, caps, channels, nodes, 2, nodes, nodes}, axes, views, out);
+            }
+}
+
 }  // namespace
 
 int main() {
+    pictures();
     harmonics();
     rotation();
     material_analysis();
     reflection_maps();
+    radiance();
+    integrators();
     std::puts("sanitize: done");
 }

@@ -12,24 +12,31 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "python" / "shrm"
 
-# Each module may import only those above it; a name stands for a package's whole folder too.
+# Each stage may import only those above it; a name stands for a module or a package's whole folder.
 PYTHON_ORDER = [
-    "_core",
-    "image_io",
-    "environment",
-    "daylight",
-    "brdf",
-    "sh",
-    "orders",
-    "reflection_map",
-    "reference",
-    "transfer",
-    "render",
-    "export",
-    "demo",
-    "cli",
-    "viewer",
-    "__main__",
+    ["_core"],
+    ["validation"],
+    ["color"],
+    ["image_io"],
+    ["layouts"],
+    ["daylight"],
+    ["environment"],
+    ["brdf"],
+    ["sh"],
+    ["brdf_analysis"],
+    ["orders"],
+    ["reflection_map", "reflection_file"],  # a map's save and load are the file's
+    ["explicit"],
+    ["prefiltering"],
+    ["lobe_tables"],
+    ["lobe_integrals"],
+    ["reference"],
+    ["transfer"],
+    ["render"],
+    ["export"],
+    ["demo"],
+    ["cli"],
+    ["viewer"],
 ]
 
 # Each stage, with its parts, may include only those above it.
@@ -39,20 +46,38 @@ CPP_ORDER = [
     ["legendre", "ring_fourier", "sh"],
     ["wigner"],
     ["brdf_analysis"],
-    ["reflection_map"],
-    ["angular"],
+    ["reflection_map", "radiance"],
+    ["angular", "angular_texels"],
     ["hierarchical"],
     ["transfer"],
     ["directional_basis"],
     ["radiance_pca"],
 ]
-CPP_STAGE = {part: index for index, parts in enumerate(CPP_ORDER) for part in parts}
+
+
+def stages(order: list[list[str]]) -> dict[str, int]:
+    return {part: index for index, parts in enumerate(order) for part in parts}
+
+
+PYTHON_STAGE, CPP_STAGE = stages(PYTHON_ORDER), stages(CPP_ORDER)
 
 # The integrators judge the harmonics, so they may use nothing of them.
-INTEGRATORS = {"angular", "hierarchical"}
-INDEPENDENT = {"core", "layouts", "grid", *INTEGRATORS}
+PYTHON_JUDGES = {"lobe_tables", "lobe_integrals", "reference"}
+PYTHON_NEUTRAL = {"_core", "validation", "image_io", "layouts", "environment", "brdf"}
+CPP_JUDGES = {"angular", "angular_texels", "hierarchical"}
+CPP_NEUTRAL = {"core", "layouts", "grid"}
 
-CORE_WRAPPERS = {"image_io", "environment", "sh", "brdf", "orders", "reflection_map", "reference", "transfer"}
+# Each wraps its part of the core.
+CORE_WRAPPERS = {
+    "layouts",
+    "environment",
+    "sh",
+    "brdf_analysis",
+    "reflection_map",
+    "lobe_integrals",
+    "reference",
+    "transfer",
+}
 ONLY_IN = {
     "OpenImageIO": {"image_io"},
     **{library: {"viewer"} for library in ("moderngl", "glfw", "OpenGL", "slimgui")},
@@ -64,7 +89,7 @@ CPP_FILES = sorted((ROOT / "cpp" / "shrm").iterdir())
 
 
 def unit_of(path: Path) -> str:
-    """The entry of PYTHON_ORDER that a file of the package belongs to."""
+    """The name in PYTHON_ORDER that a file of the package belongs to."""
     first = path.relative_to(PACKAGE).parts[0]
     return first.removesuffix(".py")
 
@@ -86,7 +111,7 @@ def imports(path: Path) -> set[str]:
 def own_units(path: Path) -> set[str]:
     """The units of the package that a file imports."""
     parts = [name.split(".") for name in imports(path)]
-    return {part[1] for part in parts if part[0] == "shrm" and len(part) > 1 and part[1] in PYTHON_ORDER}
+    return {part[1] for part in parts if part[0] == "shrm" and len(part) > 1 and part[1] in PYTHON_STAGE}
 
 
 def name_of(path: Path) -> str:
@@ -98,9 +123,10 @@ def test_python_arrows_run_one_way(path: Path) -> None:
     unit = unit_of(path)
     if unit == "__init__":  # the package's front door shows what lies behind it
         return
-    assert unit in PYTHON_ORDER, f"{unit} is not in PYTHON_ORDER"
-    later = {other for other in own_units(path) if PYTHON_ORDER.index(other) > PYTHON_ORDER.index(unit)}
+    assert unit in PYTHON_STAGE, f"{unit} is not in PYTHON_ORDER"
+    later = {other for other in own_units(path) if PYTHON_STAGE[other] > PYTHON_STAGE[unit]}
     assert not later, f"{name_of(path)} imports {sorted(later)}, which come after it"
+    assert unit not in PYTHON_JUDGES or own_units(path) <= PYTHON_NEUTRAL | PYTHON_JUDGES
 
 
 @pytest.mark.parametrize("path", PYTHON_FILES, ids=name_of)
@@ -119,7 +145,7 @@ def test_cpp_arrows_run_one_way(path: Path) -> None:
     included = set(re.findall(r'#include\s+[<"](?:shrm/)?(\w+)\.hpp[>"]', text)) & set(CPP_STAGE)
     later = {part for part in included if CPP_STAGE[part] > CPP_STAGE[path.stem]}
     assert not later, f"{name_of(path)} includes {sorted(later)}, which come after it"
-    assert path.stem not in INTEGRATORS or included <= INDEPENDENT
+    assert path.stem not in CPP_JUDGES or included <= CPP_NEUTRAL | CPP_JUDGES
 
 
 def test_oracles_share_no_code_with_their_subject() -> None:

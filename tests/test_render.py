@@ -11,6 +11,7 @@ from shrm.render import (
     Mesh,
     Object,
     Sphere,
+    automatic_exposure,
     display,
     environment_lookup,
     render,
@@ -428,6 +429,14 @@ def test_the_srgb_curve_at_known_points() -> None:
     )
     low, high = srgb(np.float32([0.0031307, 0.0031309]))
     assert high - low < 1e-5
+
+
+def test_automatic_exposure_looks_at_the_objects() -> None:
+    radiance, coverage = np.full((4, 4, 3), 8.0, np.float32), np.zeros((4, 4), np.float32)
+    radiance[:2], coverage[:2] = 0.35, 1.0
+    assert automatic_exposure(radiance, coverage) == pytest.approx(1.0, abs=1e-6)
+    assert automatic_exposure(radiance) == pytest.approx(np.log2(0.7 / 8.0), abs=1e-6)
+    assert automatic_exposure(0.0 * radiance) == 0.0
 
 
 def test_display_doubles_per_stop_and_divides_by_coverage() -> None:

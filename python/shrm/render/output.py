@@ -21,7 +21,7 @@ def write_picture(
     path : path
     picture : Picture
     exposure : float, optional
-        In stops, for .png; by default `automatic_exposure`, of the objects alone if `alpha`.
+        In stops, for .png; by default `automatic_exposure` of the objects.
     alpha : bool
         Save the coverage as alpha, .png and .exr only; in .exr colours stay multiplied by it.
 
@@ -37,7 +37,7 @@ def write_picture(
     """
     coverage = picture.coverage if alpha else None
     if Path(path).suffix.lower() == ".png":
-        stops = automatic_exposure(picture.radiance, coverage) if exposure is None else exposure
+        stops = automatic_exposure(picture.radiance, picture.coverage) if exposure is None else exposure
         write_image(path, display(picture.radiance, stops, coverage))
         return stops
     channels = [picture.radiance] if coverage is None else [picture.radiance, coverage[..., None]]

@@ -23,11 +23,12 @@ def automatic_exposure(radiance: FloatPixels, coverage: npt.NDArray[np.float32] 
     ----------
     radiance : (H, W, 3) float32
     coverage : (H, W) float32, optional
-        Where given, only pixels that are at least half covered count.
+        Where given, only pixels that objects cover at least half count, if there are any.
     """
     luminance = radiance.astype(np.float64) @ LUMINANCE
-    counted = luminance if coverage is None else luminance[coverage >= 0.5]
-    bright = float(np.percentile(counted, 90.0)) if counted.size else 0.0
+    covered = None if coverage is None else luminance[coverage >= 0.5]
+    counted = luminance if covered is None or covered.size == 0 else covered
+    bright = float(np.percentile(counted, 90.0))
     return float(np.log2(0.7 / bright)) if bright > 0.0 else 0.0
 
 
