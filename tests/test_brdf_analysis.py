@@ -102,7 +102,7 @@ def test_radial_lobes_take_the_one_dimensional_path():
 
 
 def test_lambert_has_the_published_coefficients():
-    """A_0 = pi, A_1 = 2 pi / 3, A_2 = pi / 4, A_3 = 0, with A_l = sqrt(4 pi / (2l+1)) rho_l for the clamped cosine."""
+    """A_l = pi, 2 pi / 3, pi / 4, 0 with A_l = sqrt(4 pi / (2l+1)) rho_l for the clamped cosine."""
     rho = analyse(brdf.Lambert(1.0).lobes[0], 4, 0).coefficients(4, 0)[:, 0, 0, 0] / np.sqrt(4 * np.pi)
     A = np.pi * np.sqrt(4 * np.pi / (2 * np.arange(5) + 1)) * rho
     np.testing.assert_allclose(A, [np.pi, 2 * np.pi / 3, np.pi / 4, 0, -np.pi / 24], atol=1e-12)

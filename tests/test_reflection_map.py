@@ -409,5 +409,5 @@ def test_a_lobe_about_the_tangent_needs_tangents():
 def test_prefilter_wants_an_environment_and_a_material():
     with pytest.raises(TypeError, match="env must be an Environment, got ndarray"):
         prefilter(np.ones((8, 16, 3)), brdf.Lambert(1.0))
-    with pytest.raises(TypeError, match="brdf must be a material of shrm.brdf, got str"):
+    with pytest.raises(TypeError, match=r"brdf must be a material of shrm\.brdf, got str"):
         prefilter(Environment(np.ones((8, 16, 3), np.float32)), "lambert")

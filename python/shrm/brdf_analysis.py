@@ -170,17 +170,17 @@ class LobeAnalysis:
     @property
     def L(self) -> int:
         """The largest degree analysed."""
-        return self.g.shape[2] - 1
+        return int(self.g.shape[2]) - 1
 
     @property
     def Q(self) -> int:
         """The largest azimuthal order analysed."""
-        return self.g.shape[1] - 1
+        return int(self.g.shape[1]) - 1
 
     @property
     def channels(self) -> int:
         """1, or 3 for a lobe whose channels differ."""
-        return self.g.shape[0]
+        return int(self.g.shape[0])
 
     def degree_energy(self) -> FloatArray:
         """Energy of each degree over all p, (L+1, channels): sum_q U_q of the mean of g_lq^2."""
@@ -238,7 +238,7 @@ def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
 
 
 def gamma_table(center: Center, lobe: Lobe | None = None) -> FloatArray:
-    """The angle between C and N over theta_v in [0, pi/2], (257,) float64 radians; empty about the tangent."""
+    """Return gamma over theta_v in [0, pi/2], (257,) float64 radians; empty about the tangent."""
     theta_v = np.linspace(0, np.pi / 2, GAMMA_SIZE)
     if center == "reflection":
         return theta_v

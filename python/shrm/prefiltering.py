@@ -1,7 +1,8 @@
 """Prefiltering in frequency space: from an environment and a material to a reflection map.
 
-The three steps of [RH02] appendix C: coefficients of light and material, their product, synthesis. The global form
-is synthesised at once, as an ordinary band-limited function (see `cpp/shrm/reflection_map.hpp`).
+The three steps of [RH02] appendix C: coefficients of light and material, their product, synthesis. The
+global form is synthesised at once, as an ordinary band-limited function (see
+`cpp/shrm/reflection_map.hpp`).
 
 References
 ----------

@@ -34,14 +34,14 @@ FloatArray = npt.NDArray[np.float64]
 VERSION = 1
 
 _CONVENTIONS = {
-    "shrm:axes": "right-handed, z up; lat-long: row 0 at +z, column centres at phi = pi - 2 pi (j + 1/2) / W from +x "
-    "towards +y",
-    "shrm:basis": "real orthonormal spherical harmonics, index l(l+1)+m, sqrt2 Re Y_lm for m > 0, sqrt2 Im Y_l|m| for "
-    "m < 0, Condon-Shortley phase",
-    "shrm:radiance": "sum over p, q of B_p_q(C) Y_pq(V), V the world direction towards the eye; zonal: sum over p of "
-    "B_p_0(C) Y_p0(angle between C and V)",
-    "shrm:central direction": "C = cos(gamma) N - sin(gamma) (V - (N.V) N) / |V - (N.V) N|; reflection: gamma = theta_v, "
-    "normal: gamma = 0, tangent: C = T",
+    "shrm:axes": "right-handed, z up; lat-long: row 0 at +z, column centres at phi = pi - 2 pi (j + 1/2) / W "
+    "from +x towards +y",
+    "shrm:basis": "real orthonormal spherical harmonics, index l(l+1)+m, sqrt2 Re Y_lm for m > 0, "
+    "sqrt2 Im Y_l|m| for m < 0, Condon-Shortley phase",
+    "shrm:radiance": "sum over p, q of B_p_q(C) Y_pq(V), V the world direction towards the eye; "
+    "zonal: sum over p of B_p_0(C) Y_p0(angle between C and V)",
+    "shrm:central direction": "C = cos(gamma) N - sin(gamma) (V - (N.V) N) / |V - (N.V) N|; "
+    "reflection: gamma = theta_v, normal: gamma = 0, tangent: C = T",
 }
 
 
@@ -55,7 +55,7 @@ def save(rm: ReflectionMap, path: str | Path) -> None:
     """
     parts: list[image_io.Part] = []
     for k, part in enumerate(rm.parts):
-        about = {
+        about: dict[str, str | int | float] = {
             "shrm:center": part.center,
             "shrm:layout": part.layout,
             "shrm:zonal": int(part.zonal),
