@@ -8,7 +8,7 @@ namespace shrm {
 
 namespace {
 
-constexpr double most_bend = 1.0 / 64;  // in texels, of a piece of an edge that is taken as straight
+constexpr double most_bend = 1.0 / 32;  // of an edge that is taken as straight, against the width
 constexpr double most_twist = 0.25;     // of a quadrilateral, against its diagonals
 constexpr int most_splits = 6;          // of a texel where the other picture has a seam
 constexpr double accuracy = 1e-4;       // of the marginals that is enough
@@ -127,9 +127,11 @@ class Cutter {
             const auto same = [&](const Point& p) { return texel(p.at) == cell; };
             if (same(b) && same(c) && same(d) && same(top) && same(left))
                 return add(cell, (a.density + b.density + c.density + d.density) / 4 * area);
-            if (straight(a, top, b) && straight(a, left, d) && whole(corners))
-                return cross({{a.at, b.at, c.at, d.at}, 4});
+            const Polygon shape{{a.at, b.at, c.at, d.at}, 4};
+            if (straight(shape, bend(a, top, b) + bend(a, left, d)) && whole(corners)) return cross(shape);
         }
+        const double most = std::max({a.density, b.density, c.density, d.density, top.density, left.density});
+        if (most < 0 && depth < most_splits - 1) return;
         if (depth > 0) {
             const Point centre = point(x, y), right = point(x1, y), bottom = point(x, y1);
             quad(x0, y0, x, y, {a, top, centre, left}, depth - 1);
@@ -143,9 +145,16 @@ class Cutter {
             if (p.density >= 0) add(texel(p.at), p.density * area / 4);
     }
 
-    static bool straight(const Point& from, const Point& middle, const Point& to) {
-        const glm::dvec2 bend = glm::abs(middle.at - 0.5 * (from.at + to.at));
-        return std::max(bend.x, bend.y) < most_bend;
+    static double bend(const Point& from, const Point& middle, const Point& to) {
+        return glm::length(middle.at - 0.5 * (from.at + to.at));
+    }
+
+    // Whether edges that bend so much are straight, measured by the width: slivers are common where
+    // a picture draws a single direction out to a line, as round the rim of a probe.
+    static bool straight(const Polygon& quad, double bend) {
+        const double length = std::max(glm::length(quad.corner[2] - quad.corner[0]),
+                                       glm::length(quad.corner[3] - quad.corner[1]));
+        return bend * length <= most_bend * quad.area();
     }
 
     // Whether the corners are nearly those of a parallelogram: none is beyond a seam.
