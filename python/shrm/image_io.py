@@ -282,7 +282,8 @@ def draw_text(pixels: npt.NDArray[np.uint8], text: str, x: int, y: int, size: in
     height, width, channels = pixels.shape
     picture = oiio.ImageBuf(oiio.ImageSpec(width, height, channels, oiio.UINT8))
     picture.set_pixels(picture.roi, np.ascontiguousarray(pixels))
-    oiio.ImageBufAlgo.render_text(picture, x, y, text, size, "DroidSans", (1.0,) * channels, "center", "baseline")
+    white = (1.0,) * channels
+    oiio.ImageBufAlgo.render_text(picture, x, y, text, size, "DroidSans", white, "center", "baseline")
     return np.asarray(picture.get_pixels(oiio.UINT8)).reshape(pixels.shape)
 
 
