@@ -210,7 +210,7 @@ def write_image(path: PathLike, pixels: npt.NDArray[Any], *, metadata: Metadata 
     if pixels.dtype != wanted:
         raise TypeError(f"pixels must be {wanted.__name__} for {suffix}, but are {pixels.dtype}")
     if pixels.ndim != 3 or pixels.shape[2] not in (3, 4) or 0 in pixels.shape:
-        raise ValueError(f"pixels must have shape (H, W, 3) or (H, W, 4), but have {pixels.shape}")
+        raise ValueError(f"pixels must have shape (H, W, 4) or (H, W, 3), but have {pixels.shape}")
     if not eight_bit:
         _finite(path, pixels, repair=False)
     if suffix == ".hdr" and np.any(pixels < 0):
