@@ -63,7 +63,7 @@ def real_harmonics(F: int, w: Array) -> Array:
     """The real basis at unit directions (n, 3), to degree F: (n, (F+1)^2)."""
     theta, phi = np.arccos(np.clip(w[:, 2], -1, 1)), np.arctan2(w[:, 1], w[:, 0])
     Y = np.empty((len(w), (F + 1) ** 2))
-    for l in range(F + 1):  # noqa: E741
+    for l in range(F + 1):
         for m in range(l + 1):
             y = special.sph_harm_y(l, m, theta, phi)
             if m == 0:
@@ -86,7 +86,7 @@ def coefficients(pixels: npt.ArrayLike, F: int, subsamples: int = 4) -> Array:
     return result
 
 
-def small_d(l: int, m: int, q: int, alpha: npt.ArrayLike) -> Array:  # noqa: E741
+def small_d(l: int, m: int, q: int, alpha: npt.ArrayLike) -> Array:
     """d^l_{mq}(alpha) of the z-y-z convention through a Jacobi polynomial; d^1_{10} = -sin/sqrt2."""
     alpha = np.asarray(alpha, dtype=np.float64)
     odd = 1 - 2 * ((m - q) % 2)
@@ -100,7 +100,7 @@ def small_d(l: int, m: int, q: int, alpha: npt.ArrayLike) -> Array:  # noqa: E74
 def complex_from_real(real: Array, F: int) -> Array:
     """Coefficients L_lm of a real function from its real-basis coefficients, same index."""
     result = np.zeros(real.shape, dtype=np.complex128)
-    for l in range(F + 1):  # noqa: E741
+    for l in range(F + 1):
         c = l * (l + 1)
         result[c] = real[c]
         for m in range(1, l + 1):
@@ -123,7 +123,7 @@ def rotated_coefficients(real: Array, R: Array) -> Array:
     a, b, c = euler_zyz(R)
     f = complex_from_real(real, F)
     result = np.zeros_like(real)
-    for l in range(F + 1):  # noqa: E741
+    for l in range(F + 1):
         m = np.arange(-l, l + 1)
         d = np.array([[small_d(l, row, col, b) for col in m] for row in m])
         g = np.exp(-1j * m * a)[:, None] * d * np.exp(-1j * m * c) @ f[l * l : (l + 1) ** 2]
@@ -177,15 +177,18 @@ def important_views(pixels: npt.ArrayLike, n: int, seed: int) -> tuple[Array, Ar
     """Normals and views (n, 3) for the means of `random_views`, with weights (n,), where much is reflected.
 
     Radiance has long tails: towards grazing views, and where the reflection meets the sun. A third of the
-    views have cos^2(theta_v) uniform, a third cos(theta_v), a third its root; half the reflections are uniform and
-    half follow the squared radiance of the picture, blurred to 16 x 32 texels. Weights are one over the mixtures' densities.
+    views have cos^2(theta_v) uniform, a third cos(theta_v), a third its root; half the reflections are
+    uniform and half follow the squared radiance of the picture, blurred to 16 x 32 texels. Weights are one
+    over the mixtures' densities.
     """
     u = qmc.Halton(d=6, rng=np.random.default_rng(seed)).random(n)
     square = u[:, 1] ** np.array([1, 2, 4])[np.minimum(3 * u[:, 0], 2).astype(int)]
     density = (1 + 0.5 * square**-0.5 + 0.25 * square**-0.75) / 3
     pixels = np.asarray(pixels, dtype=np.float64)
     H, W, _ = pixels.shape
-    energy = (np.sum(pixels**2, axis=2) * solid_angles(H, W)).reshape(16, H // 16, 32, W // 32).sum(axis=(1, 3))
+    energy = (
+        (np.sum(pixels**2, axis=2) * solid_angles(H, W)).reshape(16, H // 16, 32, W // 32).sum(axis=(1, 3))
+    )
     share = (0.5 * solid_angles(16, 32) / (4 * np.pi) + 0.5 * energy / energy.sum()).ravel()
     cell = np.minimum(np.searchsorted(np.cumsum(share), u[:, 2]), 511)
     edge = np.cos(np.pi * np.arange(17) / 16)
@@ -396,7 +399,7 @@ def banks(s: float) -> Transfer:
     """Frame z = tangent. [KVHS00] section 5.3, with 0 <= s < 1 the base of the cut lobe."""
 
     def transfer(wi: Array, wo: Array) -> Array:
-        l, v = wi[:, 2], wo[:, 2]  # noqa: E741
+        l, v = wi[:, 2], wo[:, 2]
         value = np.sqrt(np.maximum(0, 1 - l * l)) * np.sqrt(np.maximum(0, 1 - v * v)) - l * v - s
         return np.maximum(0, value) / (1 - s) ** 2
 

@@ -6,7 +6,6 @@ import numpy as np
 import oracles
 import pytest
 from scipy import integrate, special
-
 from shrm import brdf
 from shrm.brdf_analysis import analyse, gamma_at, gamma_table
 
@@ -103,7 +102,7 @@ def test_radial_lobes_take_the_one_dimensional_path():
 
 
 def test_lambert_has_the_published_coefficients():
-    """A_0 = pi, A_1 = 2 pi / 3, A_2 = pi / 4, A_3 = 0, with A_l = sqrt(4 pi / (2l+1)) rho_l for the clamped cosine."""
+    """A_l = pi, 2 pi / 3, pi / 4, 0 with A_l = sqrt(4 pi / (2l+1)) rho_l for the clamped cosine."""
     rho = analyse(brdf.Lambert(1.0).lobes[0], 4, 0).coefficients(4, 0)[:, 0, 0, 0] / np.sqrt(4 * np.pi)
     A = np.pi * np.sqrt(4 * np.pi / (2 * np.arange(5) + 1)) * rho
     np.testing.assert_allclose(A, [np.pi, 2 * np.pi / 3, np.pi / 4, 0, -np.pi / 24], atol=1e-12)
@@ -118,7 +117,11 @@ def test_zonal_lobes_have_only_q_zero(material):
     assert np.all(rho[:, :, 1:] == 0)
     x, w = np.polynomial.legendre.leggauss(600)
     theta = np.arccos(x)
-    table = material.lobes[0].profile(*(g.ravel() for g in np.meshgrid(theta, theta, indexing="ij"))).reshape(600, 600)
+    table = (
+        material.lobes[0]
+        .profile(*(g.ravel() for g in np.meshgrid(theta, theta, indexing="ij")))
+        .reshape(600, 600)
+    )
     for l, p in [(0, 0), (1, 1), (4, 2), (5, 5), (10, 6)]:
         expected = (2 * np.pi) ** 2 * (w * f(l, 0, theta)) @ table @ (w * f(p, 0, theta))
         assert rho[l, p, 0, 0] == pytest.approx(expected, abs=1e-4 * np.abs(rho).max())

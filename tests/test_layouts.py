@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import numpy.typing as npt
@@ -273,6 +276,25 @@ def test_rotation_by_a_column_is_a_shift() -> None:
     result = layouts.convert(pixels, "latlong", "latlong", (h, w), R)
     # 1e-6 of a texel stays with the neighbours
     assert result == pytest.approx(np.roll(pixels, -5, axis=1), abs=1e-4)
+
+
+def test_the_number_of_threads_changes_nothing() -> None:
+    script = (
+        "import numpy, hashlib; from shrm import layouts;"
+        "p = numpy.random.default_rng(7).random((96, 192, 3), dtype=numpy.float32);"
+        "r = layouts.convert(p, 'latlong', 'angular', 100);"
+        "print(hashlib.sha256(r.tobytes()).hexdigest())"
+    )
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", script],
+            env={**os.environ, "OMP_NUM_THREADS": threads},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for threads in ("1", "2", "5")
+    }
+    assert len(digests) == 1
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,10 @@
 """The promise: the measured error is at most 1.25 times the predicted one plus 1e-4, under natural light.
 
-Every built-in BRDF, about the paper's reflection and about its lobe, against a float64 integral over the texels'
-areas, in the measure that the prediction uses: frames of every orientation, cos^2(theta_v) uniform, colours pooled.
-Environments are brought to 64 x 128 texels (the integral then takes seconds, not hours); prediction and integral
-see the same picture. The margin of 1.25 covers the sampling of the mean, about 20% of an error whose square has a
-long tail. `pytest -rP tests/test_natural_light.py` prints the table.
+Every built-in BRDF, about the paper's reflection and about its lobe, against a float64 integral over the
+texels' areas, in the measure that the prediction uses: frames of every orientation, cos^2(theta_v) uniform,
+colours pooled. Environments are brought to 64 x 128 texels (the integral then takes seconds, not hours);
+prediction and integral see the same picture. The margin of 1.25 covers the sampling of the mean, about 20%
+of an error whose square has a long tail. `pytest -rP tests/test_natural_light.py` prints the table.
 """
 
 import json
@@ -15,7 +15,6 @@ import numpy as np
 import oracles
 import pytest
 from data import require
-
 from shrm import Environment, ImageWarning, ToleranceWarning, brdf, prefilter
 
 ENVIRONMENTS = {
@@ -88,7 +87,7 @@ def test_measured_error_is_within_the_prediction(light, material):
 
 
 def test_a_cap_on_P_is_told_and_the_error_is_right():
-    """About R a GGX lobe cannot reach 1% within P = 8: the prediction says so, and what it says is measured."""
+    """About R a GGX lobe cannot reach 1% within P = 8: the prediction says so, and says it rightly."""
     env = environment("uffizi")
     with pytest.warns(ToleranceWarning, match="not met with P <= 8"):
         rm = prefilter(env, brdf.GGX(0.3), tolerance=0.01, center="reflection")

@@ -56,7 +56,7 @@ def test_small_d_convention_and_degree_one():
 
 
 @pytest.mark.parametrize("l", [1, 2, 5, 20])
-def test_small_d_is_a_group_and_gives_the_harmonics(l):  # noqa: E741
+def test_small_d_is_a_group_and_gives_the_harmonics(l):
     m = range(-l, l + 1)
 
     def matrix(alpha):

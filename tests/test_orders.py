@@ -5,8 +5,7 @@ import warnings
 import numpy as np
 import pytest
 from data import require
-
-from shrm import brdf, orders
+from shrm import brdf, orders, sh
 from shrm.environment import Environment
 from shrm.orders import LightPower, ToleranceWarning, analysed, choose, error_of
 
@@ -58,7 +57,9 @@ def test_phong_orders(s, F):
 
 def test_skin_needs_the_papers_order():
     """[RH02] section 7.1: P = 4 suffices for an error below .03, everything about the reflection."""
-    skin = brdf.Lafortune.read(require("brdf/lafortune_pbrt1.json"), "skin").recentred("reflection", merge=True)
+    skin = brdf.Lafortune.read(require("brdf/lafortune_pbrt1.json"), "skin").recentred(
+        "reflection", merge=True
+    )
     assert choose(skin, 0.03, "brdf", F_max=60).P == 4
     assert 1 - captured(skin, 60, 3) > 0.03 > 1 - captured(skin, 60, 4)
 
@@ -113,10 +114,25 @@ def test_the_bound_is_conservative():
 
 
 def test_the_printed_bound_fails_at_low_degrees():
-    """Lambda_{F+1} where the proof has its square: with all residual energy in degree F + 1 it is exceeded."""
-    F = 1
-    factor = 4 * np.pi / (2 * F + 3)
-    assert np.sqrt(factor) < factor
+    """[RH02] appendix B prints Lambda_{F+1} where the proof has its square.
+
+    Light and a radial BRDF that hold degrees 0 and F + 1 reflect more in F + 1 than the printed bound allows,
+    for F <= 4, where Lambda is above 1; with the square it is met exactly.
+    """
+    rng = np.random.default_rng(1)
+    for F in range(5):
+        l = F + 1
+        light = np.zeros(((l + 1) ** 2, 1))
+        light[0], light[l * l :] = 1, rng.normal(size=(2 * l + 1, 1))
+        rho = rng.normal()
+        # convolution theorem: B_lm = Lambda_l L_lm rho_l, here of the residual degree alone
+        Lambda = np.sqrt(4 * np.pi / (2 * l + 1))
+        residual = np.where(np.arange(len(light))[:, None] >= l * l, Lambda * light * rho, 0)
+        reflected = sh.synthesis(residual, 32, 64)
+        energy = (sh.analysis(reflected, l) ** 2).sum()
+        in_light, in_brdf = (light[l * l :] ** 2).sum(), rho**2
+        assert energy > Lambda * in_light * in_brdf
+        assert energy == pytest.approx(Lambda**2 * in_light * in_brdf, rel=1e-5)
 
 
 def test_minimum_is_the_smaller_of_the_two():
@@ -124,7 +140,9 @@ def test_minimum_is_the_smaller_of_the_two():
     power = LightPower.of(env, 60)
     least = error_of(brdf.GGX(0.2), [(10, 3)], power, "minimum").error
     light = 1 - power.degrees[:11].sum() / (power.degrees.sum() + power.rest.sum())
-    assert least == pytest.approx(min(light, error_of(brdf.GGX(0.2), [(10, 3)], power, "brdf").error), rel=1e-9)
+    assert least == pytest.approx(
+        min(light, error_of(brdf.GGX(0.2), [(10, 3)], power, "brdf").error), rel=1e-9
+    )
 
 
 def test_caps_are_named_and_the_error_is_told():

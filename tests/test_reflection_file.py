@@ -3,7 +3,6 @@
 import numpy as np
 import oracles
 import pytest
-
 from shrm import Environment, ImageError, ReflectionMap, brdf, explicit, image_io, prefilter
 
 MATERIALS = [
@@ -81,13 +80,13 @@ def test_corrupted_bytes_never_crash(env, tmp_path):
         for position in rng.integers(0, min(len(whole), 6000), size=4):
             damaged[position] = rng.integers(256)
         path.write_bytes(damaged)
+        text = ""
         try:
-            rm = ReflectionMap.load(path)
-        except ImageError as fault:
-            assert "\n" not in str(fault)
-        else:
+            ReflectionMap.load(path).radiance([[0, 0, 1.0]], [0, 0, 1.0])
             loaded += 1
-            rm.radiance([[0, 0, 1.0]], [0, 0, 1.0])
+        except ImageError as fault:
+            text = str(fault)
+        assert "\n" not in text
     assert loaded < 150
 
 

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
-
 from shrm import _core, sh
 
 EPS32 = float(np.finfo(np.float32).eps)
@@ -130,7 +129,9 @@ def test_rotation_is_a_group():
     np.testing.assert_allclose(sh.rotate(sh.rotate(c, A), A.T), c, atol=1e-11)
 
 
-@pytest.mark.parametrize("euler", [(0, 0, 0), (0.4, 0, 0), (0, np.pi, 0.7), (1e-9, 1e-9, 0), (0, np.pi / 2, 0)])
+@pytest.mark.parametrize(
+    "euler", [(0, 0, 0), (0.4, 0, 0), (0, np.pi, 0.7), (1e-9, 1e-9, 0), (0, np.pi / 2, 0)]
+)
 def test_rotation_at_degenerate_angles(euler):
     c = band_limited(6, 1, seed=13)
     R = Rotation.from_euler("zyz", euler).as_matrix()

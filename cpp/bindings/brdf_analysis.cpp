@@ -14,10 +14,12 @@ Array<double> legendre(int F, int m, const Array<double>& theta) {
     return values;
 }
 
-py::tuple project(const Array<double>& rho_hat, const Array<double>& theta_i, const Array<double>& weight_theta,
-                  const Array<double>& phi, const Array<double>& weight_phi, int L, int Q) {
+py::tuple project(const Array<double>& rho_hat, const Array<double>& theta_i,
+                  const Array<double>& weight_theta, const Array<double>& phi,
+                  const Array<double>& weight_phi, int L, int Q) {
     require_shape(rho_hat, "rho_hat", {any, any, any, any});
-    const py::ssize_t views = rho_hat.shape(0), I = rho_hat.shape(1), K = rho_hat.shape(2), channels = rho_hat.shape(3);
+    const py::ssize_t views = rho_hat.shape(0), I = rho_hat.shape(1), K = rho_hat.shape(2),
+                      channels = rho_hat.shape(3);
     require_shape(theta_i, "theta_i", {views, I});
     require_shape(weight_theta, "weight_theta", {views, I});
     require_shape(phi, "phi", {views, I, K});

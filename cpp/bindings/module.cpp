@@ -12,7 +12,8 @@ void bind_angular(pybind11::module_& module);
 
 PYBIND11_MODULE(_core, module) {
     using namespace shrm::bindings;
-    module.doc() = "The C++ core of shrm. Use the modules of the package; this one checks memory, not meaning.";
+    module.doc() =
+        "The C++ core of shrm. Use the modules of the package; this one checks memory, not meaning.";
     bind_grid(module);
     bind_sh(module);
     bind_wigner(module);

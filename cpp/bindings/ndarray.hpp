@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include <glm/vec3.hpp>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <glm/vec3.hpp>
 
 namespace shrm::bindings {
 
@@ -34,11 +34,13 @@ void require_shape(const Array<T>& array, const char* name, std::initializer_lis
     if (fits) return;
     const auto text = [](auto begin, auto end) {
         std::string s = "(";
-        for (auto it = begin; it != end; ++it) s += (it == begin ? "" : ", ") + (*it < 0 ? std::string("n") : std::to_string(*it));
+        for (auto it = begin; it != end; ++it)
+            s += (it == begin ? "" : ", ") + (*it < 0 ? std::string("n") : std::to_string(*it));
         return s + ")";
     };
-    throw py::value_error(std::string(name) + " has shape " + text(array.shape(), array.shape() + array.ndim()) +
-                          ", but needs " + text(shape.begin(), shape.end()));
+    throw py::value_error(std::string(name) + " has shape " +
+                          text(array.shape(), array.shape() + array.ndim()) + ", but needs " +
+                          text(shape.begin(), shape.end()));
 }
 
 template <class T>
@@ -61,24 +63,30 @@ inline std::span<const glm::dvec3> vectors(const Array<double>& array) {
     return {reinterpret_cast<const glm::dvec3*>(array.data()), static_cast<std::size_t>(array.shape(0))};
 }
 
-inline py::ssize_t ssize(std::size_t n) { return static_cast<py::ssize_t>(n); }
+inline py::ssize_t ssize(std::size_t n) {
+    return static_cast<py::ssize_t>(n);
+}
 
 inline int extent(const py::array& array, int axis) {
     return static_cast<int>(array.shape(axis));
 }
 
 inline void require_positive(const char* name, int value) {
-    if (value < 1) throw py::value_error(std::string(name) + " is " + std::to_string(value) + ", but must be positive");
+    if (value < 1)
+        throw py::value_error(std::string(name) + " is " + std::to_string(value) + ", but must be positive");
 }
 
 inline void require_degree(const char* name, int value) {
-    if (value < 0) throw py::value_error(std::string(name) + " is " + std::to_string(value) + ", but must not be negative");
+    if (value < 0)
+        throw py::value_error(std::string(name) + " is " + std::to_string(value) +
+                              ", but must not be negative");
 }
 
 // F of an array of shape ((F+1)^2, channels).
 inline int degree_of(const Array<double>& coefficients, const char* name) {
     require_shape(coefficients, name, {any, any});
-    const auto side = static_cast<py::ssize_t>(std::lround(std::sqrt(static_cast<double>(coefficients.shape(0)))));
+    const auto side =
+        static_cast<py::ssize_t>(std::lround(std::sqrt(static_cast<double>(coefficients.shape(0)))));
     if (side < 1 || side * side != coefficients.shape(0))
         throw py::value_error(std::string(name) + " has " + std::to_string(coefficients.shape(0)) +
                               " rows, but needs (F+1)^2");

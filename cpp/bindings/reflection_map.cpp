@@ -59,7 +59,8 @@ ReflectionMapView require_map(const Array<float>& rings, bool cube, bool zonal) 
     const int P = zonal ? maps - 1 : static_cast<int>(std::lround(std::sqrt(maps))) - 1;
     const ReflectionMapView map{cube ? MapLayout::cube : MapLayout::latlong, H, W, P, zonal, view(rings)};
     if (P < 0 || map.maps() != maps)
-        throw py::value_error("rings has " + std::to_string(maps) + " maps, but needs (P+1)^2, or P+1 if zonal");
+        throw py::value_error("rings has " + std::to_string(maps) +
+                              " maps, but needs (P+1)^2, or P+1 if zonal");
     if (cube ? W <= 2 * cube_border || H != 6 * W : H < 2 || W < 4 || W % 2 != 0)
         throw py::value_error("rings has " + std::to_string(H) + " rows of " + std::to_string(W) +
                               " texels, which is no reflection map");
@@ -75,8 +76,8 @@ Centre centre_of(const std::string& name) {
 }
 
 void add_radiance(const Array<float>& rings, bool cube, bool zonal, const std::string& centre,
-                  const Array<double>& gamma, const Array<double>& axes, const Array<double>& views, bool bilinear,
-                  Array<float>& radiance) {
+                  const Array<double>& gamma, const Array<double>& axes, const Array<double>& views,
+                  bool bilinear, Array<float>& radiance) {
     const ReflectionMapView map = require_map(rings, cube, zonal);
     const Centre about = centre_of(centre);
     require_shape(gamma, "gamma", {any});
@@ -121,12 +122,13 @@ Array<double> cube_directions(int N) {
 
 void bind_reflection_map(py::module_& module) {
     using namespace py::literals;
-    module.def("local_reflection_map", &local_reflection_map, py::kw_only(), "light"_a.noconvert(), "rho"_a.noconvert(),
-               "H"_a, "W"_a);
+    module.def("local_reflection_map", &local_reflection_map, py::kw_only(), "light"_a.noconvert(),
+               "rho"_a.noconvert(), "H"_a, "W"_a);
     module.def("global_from_local", &global_from_local, py::kw_only(), "local"_a.noconvert());
-    module.def("global_coefficients", &global_coefficients, py::kw_only(), "light"_a.noconvert(), "rho"_a.noconvert());
-    module.def("add_radiance", &add_radiance, py::kw_only(), "rings"_a.noconvert(), "cube"_a, "zonal"_a, "centre"_a,
-               "gamma"_a.noconvert(), "axes"_a.noconvert(), "views"_a.noconvert(), "bilinear"_a,
+    module.def("global_coefficients", &global_coefficients, py::kw_only(), "light"_a.noconvert(),
+               "rho"_a.noconvert());
+    module.def("add_radiance", &add_radiance, py::kw_only(), "rings"_a.noconvert(), "cube"_a, "zonal"_a,
+               "centre"_a, "gamma"_a.noconvert(), "axes"_a.noconvert(), "views"_a.noconvert(), "bilinear"_a,
                "radiance"_a.noconvert());
     module.def("view_map", &view_map, py::kw_only(), "rings"_a.noconvert(), "cube"_a, "zonal"_a,
                "direction"_a.noconvert());

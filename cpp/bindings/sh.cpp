@@ -51,14 +51,18 @@ void bind_sh(py::module_& module) {
     using namespace py::literals;
     module.def("analysis", &analysis, py::kw_only(), "pixels"_a.noconvert(), "F"_a, "areas"_a);
     module.def("synthesis", &synthesis, py::kw_only(), "coefficients"_a.noconvert(), "H"_a, "W"_a);
-    module.def("evaluate", &evaluate<double>, py::kw_only(), "coefficients"_a.noconvert(), "directions"_a.noconvert());
+    module.def("evaluate", &evaluate<double>, py::kw_only(), "coefficients"_a.noconvert(),
+               "directions"_a.noconvert());
     module.def("evaluate_float", &evaluate<float>, py::kw_only(), "coefficients"_a.noconvert(),
                "directions"_a.noconvert());
-    module.def("fejer_weights", [](int H) {
-        require_positive("H", H);
-        const std::vector<double> weights = fejer_weights(H);
-        return Array<double>(ssize(weights.size()), weights.data());
-    }, py::kw_only(), "H"_a);
+    module.def(
+        "fejer_weights",
+        [](int H) {
+            require_positive("H", H);
+            const std::vector<double> weights = fejer_weights(H);
+            return Array<double>(ssize(weights.size()), weights.data());
+        },
+        py::kw_only(), "H"_a);
 }
 
 }  // namespace shrm::bindings

@@ -9,7 +9,9 @@
 namespace shrm {
 namespace {
 
-constexpr std::size_t size(int n) { return static_cast<std::size_t>(n); }
+constexpr std::size_t size(int n) {
+    return static_cast<std::size_t>(n);
+}
 
 // rho_q(i, c) = sum_k weight cos(q phi_k) rho_hat(i, k, c) for one view: the first step. (Q+1, channels, I)
 SHRM_CLONES
@@ -28,7 +30,8 @@ void azimuthal_step(const TransferTable& t, int v, int Q, double* rho_q, double*
                 square += values[k] * value;
             }
             squares[c] += t.weight_theta[node] * square;
-            for (std::size_t k = 0; k < K; ++k) cosine[k] = 1, previous[k] = twice[k] / 2;  // cos 0, cos(-phi)
+            for (std::size_t k = 0; k < K; ++k)
+                cosine[k] = 1, previous[k] = twice[k] / 2;  // cos 0, cos(-phi)
             for (int q = 0; q <= Q; ++q) {
                 double sum = 0;
                 for (std::size_t k = 0; k < K; ++k) sum += values[k] * cosine[k];
@@ -104,7 +107,8 @@ void project(const TransferTable& table, int L, int Q, std::span<double> g, std:
 #pragma omp for schedule(dynamic)
         for (int v = 0; v < table.views; ++v) {
             azimuthal_step(table, v, Q, rho_q.data(), energy.data());
-            for (int q = 0; q <= std::min(Q, L); ++q) polar_step(table, v, q, L, Q, recurrence, rho_q.data(), g.data());
+            for (int q = 0; q <= std::min(Q, L); ++q)
+                polar_step(table, v, q, L, Q, recurrence, rho_q.data(), g.data());
         }
     }
 }

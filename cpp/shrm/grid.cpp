@@ -9,15 +9,17 @@ namespace shrm {
 namespace {
 
 constexpr double most_bend = 1.0 / 64;  // in texels, of a piece of an edge that is taken as straight
-constexpr int most_splits = 6;           // of a texel where the other picture has a seam
-constexpr double accuracy = 1e-4;        // of the marginals that is enough
-constexpr double relaxation = 1.5;       // of the fitting: errors that span many texels fall faster
+constexpr double most_twist = 0.25;     // of a quadrilateral, against its diagonals
+constexpr int most_splits = 6;          // of a texel where the other picture has a seam
+constexpr double accuracy = 1e-4;       // of the marginals that is enough
+constexpr double relaxation = 1.5;      // of the fitting: errors that span many texels fall faster
 
 std::size_t index(int i, int j, int width) {
     return static_cast<std::size_t>(i) * static_cast<std::size_t>(width) + static_cast<std::size_t>(j);
 }
 
-// A convex polygon of at most eight corners: a quadrilateral cut by a square.
+// A convex polygon of at most eight corners: a quadrilateral cut by a square. (One that is folded, at
+// a pole, could have more: they are dropped.)
 struct Polygon {
     std::array<glm::dvec2, 8> corner;
     std::size_t count = 0;
@@ -28,11 +30,14 @@ struct Polygon {
         for (std::size_t k = 0; k < count; ++k) {
             const glm::dvec2 p = corner[k], q = corner[(k + 1) % count];
             const double dp = sign * (p[axis] - bound), dq = sign * (q[axis] - bound);
-            if (dp >= 0) kept.corner[kept.count++ % 8] = p;
-            if ((dp < 0) != (dq < 0)) kept.corner[kept.count++ % 8] = p + dp / (dp - dq) * (q - p);
+            if (dp >= 0) kept.add(p);
+            if ((dp < 0) != (dq < 0)) kept.add(p + dp / (dp - dq) * (q - p));
         }
-        kept.count = std::min<std::size_t>(kept.count, 8);
         return kept;
+    }
+
+    void add(const glm::dvec2& p) {
+        if (count < corner.size()) corner[count++] = p;
     }
 
     double area() const {
@@ -87,7 +92,7 @@ class Cutter {
   private:
     struct Point {
         glm::dvec2 at;   // in the other picture
-        double density;  // 0 outside the own layout's domain
+        double density;  // -1 outside the own layout's domain
     };
 
     Point point(double x, double y) const {
@@ -110,22 +115,23 @@ class Cutter {
             found->solid_angle += solid_angle;
     }
 
-    // Adds the rectangle [x0, x1] x [y0, y1] of the own picture, corners in turn.
+    // Adds the rectangle [x0, x1] x [y0, y1] of the own picture, corners in turn from the top left.
     void quad(double x0, double y0, double x1, double y1, const std::array<Point, 4>& corners, int depth) {
-        const double x = (x0 + x1) / 2, y = (y0 + y1) / 2;
-        const Point centre = point(x, y);
-        const auto [a, b, c, d] = corners;
-        const bool inside = std::min({a.density, b.density, c.density, d.density, centre.density}) >= 0;
-        if (inside) {
-            const std::size_t cell = texel(centre.at);
-            if (texel(a.at) == cell && texel(b.at) == cell && texel(c.at) == cell && texel(d.at) == cell)
-                return add(cell, centre.density * (x1 - x0) * (y1 - y0));
-            if (straight(corners, centre)) return cross({{a.at, b.at, c.at, d.at}, 4});
+        const double x = (x0 + x1) / 2, y = (y0 + y1) / 2, area = (x1 - x0) * (y1 - y0);
+        const auto& [a, b, c, d] = corners;
+        const Point top = point(x, y0), left = point(x0, y);
+        const double least =
+            std::min({a.density, b.density, c.density, d.density, top.density, left.density});
+        if (least >= 0) {
+            const std::size_t cell = texel(a.at);
+            const auto same = [&](const Point& p) { return texel(p.at) == cell; };
+            if (same(b) && same(c) && same(d) && same(top) && same(left))
+                return add(cell, (a.density + b.density + c.density + d.density) / 4 * area);
+            if (straight(a, top, b) && straight(a, left, d) && whole(corners))
+                return cross({{a.at, b.at, c.at, d.at}, 4});
         }
         if (depth > 0) {
-            const bool outside = std::max({a.density, b.density, c.density, d.density, centre.density}) < 0;
-            if (outside && depth < most_splits - 1) return;
-            const Point top = point(x, y0), right = point(x1, y), bottom = point(x, y1), left = point(x0, y);
+            const Point centre = point(x, y), right = point(x1, y), bottom = point(x, y1);
             quad(x0, y0, x, y, {a, top, centre, left}, depth - 1);
             quad(x, y0, x1, y, {top, b, right, centre}, depth - 1);
             quad(x, y, x1, y1, {centre, right, c, bottom}, depth - 1);
@@ -134,13 +140,20 @@ class Cutter {
         }
         // A seam of the other picture, or the edge of the own one's domain.
         for (const Point& p : corners)
-            if (p.density >= 0) add(texel(p.at), p.density * (x1 - x0) * (y1 - y0) / 4);
+            if (p.density >= 0) add(texel(p.at), p.density * area / 4);
     }
 
-    static bool straight(const std::array<Point, 4>& p, const Point& centre) {
-        const glm::dvec2 one = glm::abs(centre.at - 0.5 * (p[0].at + p[2].at));
-        const glm::dvec2 two = glm::abs(centre.at - 0.5 * (p[1].at + p[3].at));
-        return std::max({one.x, one.y, two.x, two.y}) < most_bend;
+    static bool straight(const Point& from, const Point& middle, const Point& to) {
+        const glm::dvec2 bend = glm::abs(middle.at - 0.5 * (from.at + to.at));
+        return std::max(bend.x, bend.y) < most_bend;
+    }
+
+    // Whether the corners are nearly those of a parallelogram: none is beyond a seam.
+    static bool whole(const std::array<Point, 4>& p) {
+        const glm::dvec2 one = p[2].at - p[0].at, two = p[3].at - p[1].at;
+        const glm::dvec2 twist = p[0].at + p[2].at - p[1].at - p[3].at;
+        return glm::dot(twist, twist) <
+               most_twist * most_twist * std::max(glm::dot(one, one), glm::dot(two, two));
     }
 
     // Cuts a quadrilateral of the other picture at its grid.

@@ -36,10 +36,10 @@ double LatLong::theta(double y) const {
 
 Ray LatLong::ray(double x, double y) const {
     const double u = (x - inset_) / (width_ - 2 * inset_), v = (y - inset_) / (height_ - 2 * inset_);
-    const double phi = pi - 2 * pi * u, sine = std::sin(theta(y));
-    const bool inside = u >= 0 && u <= 1 && v >= 0 && v <= 1;
+    if (u < 0 || u > 1 || v < 0 || v > 1) return {X, -1};
+    const double phi = pi - 2 * pi * u, angle = pi * v, sine = std::sin(angle);
     const double scale = 2 * pi * pi / ((width_ - 2 * inset_) * (height_ - 2 * inset_));
-    return {{sine * std::cos(phi), sine * std::sin(phi), std::cos(theta(y))}, inside ? scale * sine : -1};
+    return {{sine * std::cos(phi), sine * std::sin(phi), std::cos(angle)}, scale * sine};
 }
 
 dvec2 LatLong::position(const dvec3& d) const {

@@ -13,9 +13,11 @@ namespace shrm {
 // The constants of the recurrence f_{l+1,m} = a x f_lm - b f_{l-1,m} for all orders up to F.
 class LegendreRecurrence {
   public:
-    explicit LegendreRecurrence(int F) : F_(F), start_(static_cast<std::size_t>(F) + 1), steps_(triangle(F + 1)) {
+    explicit LegendreRecurrence(int F)
+        : F_(F), start_(static_cast<std::size_t>(F) + 1), steps_(triangle(F + 1)) {
         start_[0] = std::sqrt(1 / (4 * pi));
-        for (int m = 1; m <= F; ++m) start_[index(m)] = -start_[index(m - 1)] * std::sqrt((2 * m + 1) / (2.0 * m));
+        for (int m = 1; m <= F; ++m)
+            start_[index(m)] = -start_[index(m - 1)] * std::sqrt((2 * m + 1) / (2.0 * m));
         for (int m = 0; m <= F; ++m) {
             double previous = 0;
             for (int l = m; l <= F; ++l) {

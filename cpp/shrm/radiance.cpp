@@ -13,7 +13,9 @@
 namespace shrm {
 namespace {
 
-constexpr std::size_t size(int n) { return static_cast<std::size_t>(n); }
+constexpr std::size_t size(int n) {
+    return static_cast<std::size_t>(n);
+}
 
 // Y_pq(direction), real basis, for all p <= P.
 void real_harmonics(const LegendreRecurrence& recurrence, int P, const glm::dvec3& direction, double* Y) {
@@ -50,9 +52,10 @@ void zonal_harmonics(const LegendreRecurrence& recurrence, int P, double cosine,
 
 // Weights of the samples at -1, 0, 1, 2 for a point at t in [0, 1).
 std::array<float, 4> interpolation_weights(double t, bool bilinear) {
-    const auto w = bilinear ? std::array<double, 4>{0, 1 - t, t, 0}
-                            : std::array<double, 4>{-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2,
-                                                    -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6};
+    const auto w = bilinear
+                       ? std::array<double, 4>{0, 1 - t, t, 0}
+                       : std::array<double, 4>{-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2,
+                                               -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6};
     return {float(w[0]), float(w[1]), float(w[2]), float(w[3])};
 }
 
@@ -65,15 +68,18 @@ struct Stencil {
 
 Stencil latlong_stencil(int H, int W, const glm::dvec3& direction, bool bilinear) {
     const double theta = std::atan2(std::hypot(direction.x, direction.y), direction.z);
-    const double row = theta / pi * H - 0.5, column = (pi - std::atan2(direction.y, direction.x)) / (2 * pi) * W - 0.5;
+    const double row = theta / pi * H - 0.5,
+                 column = (pi - std::atan2(direction.y, direction.x)) / (2 * pi) * W - 0.5;
     const int i = static_cast<int>(std::floor(row)), j = static_cast<int>(std::floor(column));
     Stencil s;
     s.row_weights = interpolation_weights(row - i, bilinear);
     s.column_weights = interpolation_weights(column - j, bilinear);
     for (int a = 0; a < 4; ++a) {
         int r = i - 1 + a, half_turn = 0;
-        if (r < 0) r = -1 - r, half_turn = W / 2;  // beyond the pole: the same ring system, half a turn on
-        else if (r >= H) r = 2 * H - 1 - r, half_turn = W / 2;
+        if (r < 0)
+            r = -1 - r, half_turn = W / 2;  // beyond the pole: the same ring system, half a turn on
+        else if (r >= H)
+            r = 2 * H - 1 - r, half_turn = W / 2;
         s.rows[size(a)] = std::clamp(r, 0, H - 1);
         for (int b = 0; b < 4; ++b) s.columns[size(a)][size(b)] = (j - 1 + b + half_turn + 2 * W) % W;
     }
@@ -85,9 +91,12 @@ Stencil cube_stencil(int padded, const glm::dvec3& d, bool bilinear) {
     const glm::dvec3 a = glm::abs(d);
     int face;
     double s, t, major;
-    if (a.x >= a.y && a.x >= a.z) face = d.x > 0 ? 0 : 1, major = a.x, s = d.x > 0 ? -d.z : d.z, t = -d.y;
-    else if (a.y >= a.z) face = d.y > 0 ? 2 : 3, major = a.y, s = d.x, t = d.y > 0 ? d.z : -d.z;
-    else face = d.z > 0 ? 4 : 5, major = a.z, s = d.z > 0 ? d.x : -d.x, t = -d.y;
+    if (a.x >= a.y && a.x >= a.z)
+        face = d.x > 0 ? 0 : 1, major = a.x, s = d.x > 0 ? -d.z : d.z, t = -d.y;
+    else if (a.y >= a.z)
+        face = d.y > 0 ? 2 : 3, major = a.y, s = d.x, t = d.y > 0 ? d.z : -d.z;
+    else
+        face = d.z > 0 ? 4 : 5, major = a.z, s = d.z > 0 ? d.x : -d.x, t = -d.y;
     const double row = (t / major + 1) / 2 * N - 0.5, column = (s / major + 1) / 2 * N - 0.5;
     const int i = static_cast<int>(std::floor(row)), j = static_cast<int>(std::floor(column));
     Stencil stencil;
@@ -95,7 +104,8 @@ Stencil cube_stencil(int padded, const glm::dvec3& d, bool bilinear) {
     stencil.column_weights = interpolation_weights(column - j, bilinear);
     for (int u = 0; u < 4; ++u) {
         stencil.rows[size(u)] = face * padded + std::clamp(i - 1 + u + cube_border, 0, padded - 1);
-        for (int v = 0; v < 4; ++v) stencil.columns[size(u)][size(v)] = std::clamp(j - 1 + v + cube_border, 0, padded - 1);
+        for (int v = 0; v < 4; ++v)
+            stencil.columns[size(u)][size(v)] = std::clamp(j - 1 + v + cube_border, 0, padded - 1);
     }
     return stencil;
 }
@@ -132,16 +142,23 @@ void interpolate(const ReflectionMapView& map, const Stencil& s, const double* w
 
 glm::dvec3 cube_direction(int face, double s, double t) {
     switch (face) {
-        case 0: return {1, -t, -s};
-        case 1: return {-1, -t, s};
-        case 2: return {s, 1, t};
-        case 3: return {s, -1, -t};
-        case 4: return {s, -t, 1};
-        default: return {-s, -t, -1};
+        case 0:
+            return {1, -t, -s};
+        case 1:
+            return {-1, -t, s};
+        case 2:
+            return {s, 1, t};
+        case 3:
+            return {s, -1, -t};
+        case 4:
+            return {s, -t, 1};
+        default:
+            return {-s, -t, -1};
     }
 }
 
-glm::dvec3 central_direction(Centre centre, std::span<const double> gamma, const glm::dvec3& axis, glm::dvec3& view) {
+glm::dvec3 central_direction(Centre centre, std::span<const double> gamma, const glm::dvec3& axis,
+                             glm::dvec3& view) {
     if (centre == Centre::tangent || centre == Centre::normal) return axis;
     const double cosine = glm::dot(axis, view);
     if (centre == Centre::reflection) return 2 * cosine * axis - view;
@@ -169,17 +186,21 @@ void add_radiance(const ReflectionMapView& map, Centre centre, std::span<const d
             const auto at = static_cast<std::size_t>(i);
             glm::dvec3 view = views[views.size() == 1 ? 0 : at];
             const glm::dvec3 C = central_direction(centre, gamma, axes[at], view);
-            if (map.zonal) zonal_harmonics(recurrence, map.P, glm::dot(C, view), Y.data());
-            else real_harmonics(recurrence, map.P, view, Y.data());
-            const Stencil stencil = map.layout == MapLayout::cube ? cube_stencil(map.W, C, bilinear)
-                                                                  : latlong_stencil(map.H, map.W, C, bilinear);
+            if (map.zonal)
+                zonal_harmonics(recurrence, map.P, glm::dot(C, view), Y.data());
+            else
+                real_harmonics(recurrence, map.P, view, Y.data());
+            const Stencil stencil = map.layout == MapLayout::cube
+                                        ? cube_stencil(map.W, C, bilinear)
+                                        : latlong_stencil(map.H, map.W, C, bilinear);
             interpolate(map, stencil, Y.data(), &radiance[3 * at]);
         }
     }
 }
 
 SHRM_CLONES
-static void view_ring(const ReflectionMapView& map, int row, const float* weights, float* sums, float* pixels) {
+static void view_ring(const ReflectionMapView& map, int row, const float* weights, float* sums,
+                      float* pixels) {
     const std::size_t width = size(map.W), maps = size(map.maps());
     const float* ring = map.rings.data() + size(row) * maps * 3 * width;
     const std::size_t stride = map.zonal ? width : 0;  // a weight per texel, or one for all
@@ -212,10 +233,13 @@ void view_map(const ReflectionMapView& map, const glm::dvec3& view, std::span<fl
 #pragma omp for schedule(static)
         for (int row = 0; row < map.H; ++row) {
             for (int j = 0; map.zonal && j < map.W; ++j) {
-                zonal_harmonics(recurrence, map.P, glm::dot(texel_direction(map, row, j), view), zonal.data());
-                for (std::size_t p = 0; p < zonal.size(); ++p) of_texels[p * width + size(j)] = static_cast<float>(zonal[p]);
+                zonal_harmonics(recurrence, map.P, glm::dot(texel_direction(map, row, j), view),
+                                zonal.data());
+                for (std::size_t p = 0; p < zonal.size(); ++p)
+                    of_texels[p * width + size(j)] = static_cast<float>(zonal[p]);
             }
-            view_ring(map, row, map.zonal ? of_texels.data() : of_view.data(), sums.data(), &pixels[size(row) * width * 3]);
+            view_ring(map, row, map.zonal ? of_texels.data() : of_view.data(), sums.data(),
+                      &pixels[size(row) * width * 3]);
         }
     }
 }

@@ -10,14 +10,14 @@ namespace shrm {
 enum class Centre { reflection, normal, tangent, lobe };
 enum class MapLayout {
     latlong,  // rings (H, maps, 3, W), the grid of core.hpp; W even
-    cube      // rings (6 (N + 4), maps, 3, N + 4): faces +X -X +Y -Y +Z -Z, each with a border of two texels that
-              // continues its own plane, so that no interpolation looks across an edge
+    cube  // rings (6 (N + 4), maps, 3, N + 4): faces +X -X +Y -Y +Z -Z, each with a border of two texels that
+          // continues its own plane, so that no interpolation looks across an edge
 };
 inline constexpr int cube_border = 2;
 
 struct ReflectionMapView {
     MapLayout layout;
-    int H, W;    // of the rings: cube maps include their borders
+    int H, W;  // of the rings: cube maps include their borders
     int P;
     bool zonal;  // P + 1 maps of a series in Y_p0(angle between C and V), else (P+1)^2 in Y_pq(V)
     std::span<const float> rings;
@@ -29,15 +29,16 @@ struct ReflectionMapView {
 // orientation of the faces.
 glm::dvec3 cube_direction(int face, double s, double t);
 
-// The central direction C of each pair of normal and view; with gamma(theta_v), uniform over [0, pi/2], about the
-// lobe:  C = cos(gamma) N - sin(gamma) (V - (N.V) N) / |V - (N.V) N|.
-// Interpolated normals can turn away from the eye. The reflection is used as it is; about the lobe the view is
-// brought back to the horizon, where the fit over the views ends, and `view` is changed accordingly.
-glm::dvec3 central_direction(Centre centre, std::span<const double> gamma, const glm::dvec3& axis, glm::dvec3& view);
+// The central direction C of each pair of normal and view; with gamma(theta_v), uniform over [0, pi/2], about
+// the lobe:  C = cos(gamma) N - sin(gamma) (V - (N.V) N) / |V - (N.V) N|. Interpolated normals can turn away
+// from the eye. The reflection is used as it is; about the lobe the view is brought back to the horizon,
+// where the fit over the views ends, and `view` is changed accordingly.
+glm::dvec3 central_direction(Centre centre, std::span<const double> gamma, const glm::dvec3& axis,
+                             glm::dvec3& view);
 
-// radiance (n, 3) += sum_pq B~_pq(C) Y_pq(V)   [RH02] eq. 7 (zonal: eq. 6 with q = 0). axes are the normals, or the
-// tangents; views holds n directions or one. Interpolation is by the four-point Lagrange polynomial in both
-// directions, across the poles, or bilinear.
+// radiance (n, 3) += sum_pq B~_pq(C) Y_pq(V)   [RH02] eq. 7 (zonal: eq. 6 with q = 0). axes are the normals,
+// or the tangents; views holds n directions or one. Interpolation is by the four-point Lagrange polynomial in
+// both directions, across the poles, or bilinear.
 void add_radiance(const ReflectionMapView& map, Centre centre, std::span<const double> gamma,
                   std::span<const glm::dvec3> axes, std::span<const glm::dvec3> views, bool bilinear,
                   std::span<float> radiance);

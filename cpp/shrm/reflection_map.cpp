@@ -15,7 +15,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr std::size_t size(int n) { return static_cast<std::size_t>(n); }
+constexpr std::size_t size(int n) {
+    return static_cast<std::size_t>(n);
+}
 
 // L_lm of the complex basis, for either sign of m, from real coefficients.
 Complex complex_coefficient(std::span<const double> real, int l, int m, int channels, int c) {
@@ -32,8 +34,8 @@ std::size_t rho_index(int l, int p, int q, int P, int channels, int c) {
 
 }  // namespace
 
-void local_reflection_map(std::span<const double> light, std::span<const double> rho, int F, int P, int channels, int H,
-                          int W, std::span<float> rings) {
+void local_reflection_map(std::span<const double> light, std::span<const double> rho, int F, int P,
+                          int channels, int H, int W, std::span<float> rings) {
     const RingFourier fourier(W, F);
     const int maps = (P + 1) * (P + 1), stride = (maps * channels + 7) / 8 * 8;
     // recurrences (q, m = -F..F), shared by all rings, all p and all channels
@@ -67,19 +69,23 @@ void local_reflection_map(std::span<const double> light, std::span<const double>
                             for (int p = q; p <= P; ++p)
                                 for (int c = 0; c < channels; ++c)
                                     B[size((sign * (P + 1) + p) * channels + c)] +=
-                                        d * rho[rho_index(l, p, q, P, channels, c)] * L[lm(l, order) * size(channels) + size(c)];
+                                        d * rho[rho_index(l, p, q, P, channels, c)] *
+                                        L[lm(l, order) * size(channels) + size(c)];
                             if (l == F) break;
                             const auto [a, b, back] = recurrence.step(l);
                             previous = std::exchange(d, (a * x + b) * d - back * previous);
                         }
                     }
-                    // B_pq(alpha, beta) = sum_m B_mpq e^{i m beta} as cosines and sines of its real and imaginary part
+                    // B_pq(alpha, beta) = sum_m B_mpq e^{i m beta} as cosines and sines of its real and
+                    // imaginary part
                     for (int p = q; p <= P; ++p)
                         for (int c = 0; c < channels; ++c) {
-                            const Complex u = B[size(p * channels + c)], v = B[size((P + 1 + p) * channels + c)];
+                            const Complex u = B[size(p * channels + c)],
+                                          v = B[size((P + 1 + p) * channels + c)];
                             float* mode = &modes[size(m * 2 * stride)];
                             const double norm = q ? std::numbers::sqrt2 : 1;
-                            const int re = (p * (p + 1) + q) * channels + c, im = (p * (p + 1) - q) * channels + c;
+                            const int re = (p * (p + 1) + q) * channels + c,
+                                      im = (p * (p + 1) - q) * channels + c;
                             mode[re] = static_cast<float>(norm * (u.real() + v.real()));
                             mode[stride + re] = static_cast<float>(norm * (v.imag() - u.imag()));
                             if (q == 0) continue;
@@ -87,12 +93,14 @@ void local_reflection_map(std::span<const double> light, std::span<const double>
                             mode[stride + im] = static_cast<float>(-norm * (u.real() - v.real()));
                         }
                 }
-            fourier.synthesise(modes.data(), maps * channels, stride, &rings[size(i) * size(maps * channels) * size(W)], scratch);
+            fourier.synthesise(modes.data(), maps * channels, stride,
+                               &rings[size(i) * size(maps * channels) * size(W)], scratch);
         }
     }
 }
 
-void global_from_local(std::span<const float> local, int P, int channels, int H, int W, std::span<float> global) {
+void global_from_local(std::span<const float> local, int P, int channels, int H, int W,
+                       std::span<float> global) {
     const std::size_t maps = size((P + 1) * (P + 1)), n = size(channels), width = size(W);
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < H; ++i) {
@@ -121,7 +129,8 @@ void global_from_local(std::span<const float> local, int P, int channels, int H,
                         for (int q = -p; q <= p; ++q) {
                             const int a = std::abs(q);
                             Complex B = local[at(p, a, c) + size(j)];
-                            if (q) B = Complex(B.real(), -local[at(p, -a, c) + size(j)]) / std::numbers::sqrt2;
+                            if (q)
+                                B = Complex(B.real(), -local[at(p, -a, c) + size(j)]) / std::numbers::sqrt2;
                             if (q < 0) B = a % 2 ? -std::conj(B) : std::conj(B);
                             sum += d[size((s + p) * (2 * p + 1) + q + p)] * B;
                         }
@@ -134,8 +143,8 @@ void global_from_local(std::span<const float> local, int P, int channels, int H,
     }
 }
 
-void global_coefficients(std::span<const double> light, std::span<const double> rho, int F, int P, int channels,
-                         std::span<double> coefficients) {
+void global_coefficients(std::span<const double> light, std::span<const double> rho, int F, int P,
+                         int channels, std::span<double> coefficients) {
     const ClebschGordan coupling(2 * (F + P) + 1);
     const int J = F + P, n = channels, maps = (P + 1) * (P + 1);
     std::fill(coefficients.begin(), coefficients.end(), 0.);
@@ -151,27 +160,32 @@ void global_coefficients(std::span<const double> light, std::span<const double> 
             for (int j = std::abs(l - p); j <= l + p; j += 2) {  // odd l + p - j cancels between s and -s
                 std::fill(shape.begin(), shape.end(), 0.);
                 for (int s = -std::min(l, p); s <= std::min(l, p); ++s) {
-                    const double w = std::sqrt(4 * pi / (2 * j + 1)) * (s % 2 ? -1 : 1) * coupling(l, s, p, -s, j);
-                    for (int c = 0; c < n; ++c) shape[size(c)] += w * rho[rho_index(l, p, std::abs(s), P, n, c)];
+                    const double w =
+                        std::sqrt(4 * pi / (2 * j + 1)) * (s % 2 ? -1 : 1) * coupling(l, s, p, -s, j);
+                    for (int c = 0; c < n; ++c)
+                        shape[size(c)] += w * rho[rho_index(l, p, std::abs(s), P, n, c)];
                 }
                 for (int k = std::max(-j, -l - q); k <= std::min(j, l - q); ++k) {
                     const double w = (q % 2 ? -1 : 1) * coupling(l, k + q, p, -q, j);
                     for (int c = 0; c < n; ++c)
-                        b[lm(j, k) * size(n) + size(c)] += w * shape[size(c)] * complex_coefficient(light, l, k + q, n, c);
+                        b[lm(j, k) * size(n) + size(c)] +=
+                            w * shape[size(c)] * complex_coefficient(light, l, k + q, n, c);
                 }
             }
-        // The maps sqrt2 Re B~_pq and -sqrt2 Im B~_pq are real functions: x_jk = (b_jk + (-1)^k conj b_j,-k) / 2 and
-        // likewise for the imaginary part, then into the real basis.
+        // The maps sqrt2 Re B~_pq and -sqrt2 Im B~_pq are real functions: x_jk = (b_jk + (-1)^k conj b_j,-k)
+        // / 2 and likewise for the imaginary part, then into the real basis.
         const double norm = q ? std::numbers::sqrt2 : 1;
         for (int j = 0; j <= F + p; ++j)
             for (int k = 0; k <= j; ++k)
                 for (int c = 0; c < n; ++c) {
                     const Complex plus = b[lm(j, k) * size(n) + size(c)];
                     const Complex minus = std::conj(b[lm(j, -k) * size(n) + size(c)]) * (k % 2 ? -1. : 1.);
-                    const Complex re = norm * (plus + minus) / 2., im = -norm * (plus - minus) / Complex(0, 2);
+                    const Complex re = norm * (plus + minus) / 2.,
+                                  im = -norm * (plus - minus) / Complex(0, 2);
                     const auto store = [&](int map_q, Complex value) {
                         const auto at = [&](int order) -> double& {
-                            return coefficients[(lm(j, order) * size(maps) + lm(p, map_q)) * size(n) + size(c)];
+                            return coefficients[(lm(j, order) * size(maps) + lm(p, map_q)) * size(n) +
+                                                size(c)];
                         };
                         at(k) = k ? std::numbers::sqrt2 * value.real() : value.real();
                         if (k) at(-k) = -std::numbers::sqrt2 * value.imag();

@@ -11,8 +11,12 @@ namespace {
 typedef float f8 __attribute__((vector_size(32)));
 typedef float f8u __attribute__((vector_size(32), aligned(4)));  // loads from any address
 
-constexpr int round_up(int n, int multiple) { return (n + multiple - 1) / multiple * multiple; }
-constexpr std::size_t size(int n) { return static_cast<std::size_t>(n); }
+constexpr int round_up(int n, int multiple) {
+    return (n + multiple - 1) / multiple * multiple;
+}
+constexpr std::size_t size(int n) {
+    return static_cast<std::size_t>(n);
+}
 
 // products(r, j) = sum over k of rows(r, k) table(k, j), for 8 columns j. At most 256 texels are added up in
 // float32, those sums in float64.
@@ -62,7 +66,8 @@ RingFourier::RingFourier(int W, int max_order)
                 const double sign = (m % 2 ? -1 : 1) * (sine ? -1 : 1);
                 for (int k = 0; k < K_; ++k) {
                     const double psi = (k + 0.5) * step;
-                    const auto value = static_cast<float>(sign * (sine ? std::sin(m * psi) : std::cos(m * psi)));
+                    const auto value =
+                        static_cast<float>(sign * (sine ? std::sin(m * psi) : std::cos(m * psi)));
                     f.by_texel[size(k) * size(f.columns) + size(i)] = value;
                     f.by_order[size(i) * size(K_padded_) + size(k)] = value;
                 }
@@ -105,7 +110,8 @@ void RingFourier::analyse(const float* ring, int channels, Texel texel, double* 
     float* planar = scratch.data();
     float* folded = planar + size(channels) * size(W_);
     for (int c = 0; c < channels; ++c)
-        for (int j = 0; j < W_; ++j) planar[size(c) * size(W_) + size(j)] = ring[size(j) * size(channels) + size(c)];
+        for (int j = 0; j < W_; ++j)
+            planar[size(c) * size(W_) + size(j)] = ring[size(j) * size(channels) + size(c)];
 
     const std::vector<double>& weight = texel == Texel::area ? weight_area_ : weight_sample_;
     for (const Fold& f : folds_) {
@@ -116,14 +122,18 @@ void RingFourier::analyse(const float* ring, int channels, Texel texel, double* 
                 const float* first = folded + size(c0) * size(K_);
                 const float* table = f.by_texel.data() + i0;
                 double products[24] = {};
-                if (rows == 3) analysis_product<3>(first, K_, table, f.columns, products);
-                else if (rows == 2) analysis_product<2>(first, K_, table, f.columns, products);
-                else analysis_product<1>(first, K_, table, f.columns, products);
+                if (rows == 3)
+                    analysis_product<3>(first, K_, table, f.columns, products);
+                else if (rows == 2)
+                    analysis_product<2>(first, K_, table, f.columns, products);
+                else
+                    analysis_product<1>(first, K_, table, f.columns, products);
                 const int columns = std::min(8, static_cast<int>(f.orders.size()) - i0);
                 for (int r = 0; r < rows; ++r)
                     for (int i = 0; i < columns; ++i) {
                         const std::size_t m = size(f.orders[size(i0 + i)]);
-                        modes[(size(c0 + r) * 2 + f.sine) * size(max_order_ + 1) + m] = weight[m] * products[r * 8 + i];
+                        modes[(size(c0 + r) * 2 + f.sine) * size(max_order_ + 1) + m] =
+                            weight[m] * products[r * 8 + i];
                     }
             }
     }

@@ -16,11 +16,13 @@ class RingFourier {
 
     // modes (channels, 2, max_order + 1): the integrals over phi of ring cos(m phi) and ring sin(m phi).
     //   ring (W, channels); scratch is the caller's, one per thread
-    void analyse(const float* ring, int channels, Texel texel, double* modes, std::vector<float>& scratch) const;
+    void analyse(const float* ring, int channels, Texel texel, double* modes,
+                 std::vector<float>& scratch) const;
 
     // ring (channels, W) = sum over m of modes(m, 0, c) cos(m phi) + modes(m, 1, c) sin(m phi).
     //   modes (max_order + 1, 2, stride) with the channels first; stride >= channels, a multiple of 4
-    void synthesise(const float* modes, int channels, int stride, float* ring, std::vector<float>& scratch) const;
+    void synthesise(const float* modes, int channels, int stride, float* ring,
+                    std::vector<float>& scratch) const;
 
   private:
     // The orders that share one folding. With psi = pi - phi the quarters of the ring lie at psi, pi - psi,
@@ -37,8 +39,8 @@ class RingFourier {
     void unfold(const float* const* parts, float* ring) const;
 
     int W_, max_order_;
-    bool quarters_;        // four foldings, or two
-    int K_, K_padded_;     // texels in a folded ring
+    bool quarters_;     // four foldings, or two
+    int K_, K_padded_;  // texels in a folded ring
     std::vector<Fold> folds_;
     std::vector<double> weight_sample_, weight_area_;  // per order: dphi, dphi sinc(m dphi / 2)
 };

@@ -14,11 +14,17 @@ namespace {
 typedef double d8 __attribute__((vector_size(64)));
 typedef double d8u __attribute__((vector_size(64), aligned(8)));
 
-constexpr std::size_t size(int n) { return static_cast<std::size_t>(n); }
-constexpr int round_up(int n, int multiple) { return (n + multiple - 1) / multiple * multiple; }
+constexpr std::size_t size(int n) {
+    return static_cast<std::size_t>(n);
+}
+constexpr int round_up(int n, int multiple) {
+    return (n + multiple - 1) / multiple * multiple;
+}
 
 // A real function's coefficient of (l, +-m) is the integral of f_lm times this times cos or sin(m phi).
-constexpr double real_norm(int m) { return m == 0 ? 1 : std::numbers::sqrt2; }
+constexpr double real_norm(int m) {
+    return m == 0 ? 1 : std::numbers::sqrt2;
+}
 
 // Gauss-Legendre nodes and weights on [-1, 1], by Newton's method on P_n.
 void gauss_legendre(int n, std::vector<double>& nodes, std::vector<double>& weights) {
@@ -70,25 +76,28 @@ struct RingQuadrature {
 // One order m of the analysis: f_lm over all northern rings at once, by the recurrence in l.
 //   modes (2 parities, 2 channels of cos and sin, rings padded), coefficients ((F+1)^2, channels)
 SHRM_CLONES
-void legendre_analysis(int m, int F, int channels, const LegendreRecurrence& recurrence, const RingQuadrature& quadrature,
-                       const double* modes, double* coefficients) {
+void legendre_analysis(int m, int F, int channels, const LegendreRecurrence& recurrence,
+                       const RingQuadrature& quadrature, const double* modes, double* coefficients) {
     const int padded = round_up(quadrature.rings, 8), count = quadrature.nodes_per_ring * padded;
     std::vector<double> f(size(count)), previous(size(count), 0.), row(size(padded));
     for (int i = 0; i < count; ++i) f[size(i)] = recurrence.start(m) * power(quadrature.sine[size(i)], m);
     for (int l = m; l <= F; ++l) {
         std::fill(row.begin(), row.end(), 0.);
         for (int g = 0; g < quadrature.nodes_per_ring; ++g)
-            for (int i = 0; i < padded; ++i) row[size(i)] += quadrature.weight[size(g * padded + i)] * f[size(g * padded + i)];
+            for (int i = 0; i < padded; ++i)
+                row[size(i)] += quadrature.weight[size(g * padded + i)] * f[size(g * padded + i)];
         for (int z = 0; z < 2 * channels; ++z) {
             const double* mode = modes + (size((l - m) % 2 * 2 * channels + z)) * size(padded);
             d8 sums = {};
             for (int i = 0; i < padded; i += 8)
-                sums += *reinterpret_cast<const d8u*>(&row[size(i)]) * *reinterpret_cast<const d8u*>(mode + i);
+                sums +=
+                    *reinterpret_cast<const d8u*>(&row[size(i)]) * *reinterpret_cast<const d8u*>(mode + i);
             double sum = 0;
             for (int i = 0; i < 8; ++i) sum += sums[i];
             const bool is_sine = z >= channels;
             if (m > 0 || !is_sine)
-                coefficients[lm(l, is_sine ? -m : m) * size(channels) + size(z % channels)] = real_norm(m) * sum;
+                coefficients[lm(l, is_sine ? -m : m) * size(channels) + size(z % channels)] =
+                    real_norm(m) * sum;
         }
         const auto [a, b] = recurrence.steps(m)[l - m];
         for (int i = 0; i < count; ++i) {
@@ -106,7 +115,8 @@ std::vector<float> by_order(std::span<const double> coefficients, int channels, 
     for (int m = 0; m <= F; ++m)
         for (int l = m; l <= F; ++l, at += size(2 * stride))
             for (int c = 0; c < channels; ++c) {
-                ordered[at + size(c)] = static_cast<float>(real_norm(m) * coefficients[lm(l, m) * size(channels) + size(c)]);
+                ordered[at + size(c)] =
+                    static_cast<float>(real_norm(m) * coefficients[lm(l, m) * size(channels) + size(c)]);
                 if (m > 0)
                     ordered[at + size(stride + c)] =
                         static_cast<float>(real_norm(m) * coefficients[lm(l, -m) * size(channels) + size(c)]);
@@ -160,8 +170,9 @@ inline void legendre_synthesis(const double* theta, int F, int stride, const Leg
 constexpr int ring_block = 4;
 
 SHRM_CLONES
-void synthesis_block(int i0, int H, int W, int F, int channels, int stride, const LegendreRecurrence& recurrence,
-                     const RingFourier& fourier, const std::vector<float>& ordered, std::vector<float>& modes,
+void synthesis_block(int i0, int H, int W, int F, int channels, int stride,
+                     const LegendreRecurrence& recurrence, const RingFourier& fourier,
+                     const std::vector<float>& ordered, std::vector<float>& modes,
                      std::vector<float>& scratch, float* rings) {
     double theta[ring_block];
     for (int b = 0; b < ring_block; ++b) theta[b] = (i0 + b + 0.5) * pi / H;
@@ -169,7 +180,8 @@ void synthesis_block(int i0, int H, int W, int F, int channels, int stride, cons
     const std::size_t mode_size = size(F + 1) * size(2 * stride), ring_size = size(channels) * size(W);
     for (int b = 0; b < ring_block && i0 + b < (H + 1) / 2; ++b) {
         const int north = i0 + b, south = H - 1 - north;
-        fourier.synthesise(modes.data() + size(b) * mode_size, channels, stride, rings + size(north) * ring_size, scratch);
+        fourier.synthesise(modes.data() + size(b) * mode_size, channels, stride,
+                           rings + size(north) * ring_size, scratch);
         if (south != north)
             fourier.synthesise(modes.data() + size(ring_block + b) * mode_size, channels, stride,
                                rings + size(south) * ring_size, scratch);
@@ -209,25 +221,30 @@ void analysis(std::span<const float> pixels, int H, int W, int channels, int F, 
         for (int i = 0; i < rings; ++i) {
             const std::size_t row = size(W) * size(channels);
             fourier.analyse(&pixels[size(i) * row], channels, texel, north.data(), scratch);
-            if (H - 1 - i != i) fourier.analyse(&pixels[size(H - 1 - i) * row], channels, texel, south.data(), scratch);
-            else std::fill(south.begin(), south.end(), 0.);  // the equator's ring mirrors onto itself
+            if (H - 1 - i != i)
+                fourier.analyse(&pixels[size(H - 1 - i) * row], channels, texel, south.data(), scratch);
+            else
+                std::fill(south.begin(), south.end(), 0.);  // the equator's ring mirrors onto itself
             for (int m = 0; m <= F; ++m)
                 for (int c = 0; c < channels; ++c)
                     for (int s = 0; s < 2; ++s) {
                         const std::size_t from = size(c * 2 + s) * size(F + 1) + size(m);
-                        double* to = &modes[(size(m * 2) * size(parts) + size(s * channels + c)) * size(padded) + size(i)];
+                        double* to =
+                            &modes[(size(m * 2) * size(parts) + size(s * channels + c)) * size(padded) +
+                                   size(i)];
                         to[0] = north[from] + south[from];
                         to[size(parts) * size(padded)] = north[from] - south[from];
                     }
         }
 #pragma omp for schedule(dynamic)
         for (int m = 0; m <= F; ++m)
-            legendre_analysis(m, F, channels, recurrence, quadrature, &modes[size(m * 2 * parts) * size(padded)],
-                              coefficients.data());
+            legendre_analysis(m, F, channels, recurrence, quadrature,
+                              &modes[size(m * 2 * parts) * size(padded)], coefficients.data());
     }
 }
 
-void synthesis(std::span<const double> coefficients, int channels, int F, int H, int W, std::span<float> rings) {
+void synthesis(std::span<const double> coefficients, int channels, int F, int H, int W,
+               std::span<float> rings) {
     const int stride = round_up(channels, 8);
     const RingFourier fourier(W, F);
     const LegendreRecurrence recurrence(F);
@@ -237,7 +254,8 @@ void synthesis(std::span<const double> coefficients, int channels, int F, int H,
         std::vector<float> modes(size(2 * ring_block) * size(F + 1) * size(2 * stride)), scratch;
 #pragma omp for schedule(static)
         for (int i0 = 0; i0 < (H + 1) / 2; i0 += ring_block)
-            synthesis_block(i0, H, W, F, channels, stride, recurrence, fourier, ordered, modes, scratch, rings.data());
+            synthesis_block(i0, H, W, F, channels, stride, recurrence, fourier, ordered, modes, scratch,
+                            rings.data());
     }
 }
 
@@ -246,9 +264,9 @@ namespace {
 // Y_lm at N directions at once, then their product with the coefficients.
 //   basis ((F+1)^2, N) in the order of by_order with cos and sin apart: (m, l, cos | sin)
 template <class Real, int N>
-SHRM_CLONES
-void evaluate_block(const glm::dvec3* directions, int count, int F, int channels,
-                                const LegendreRecurrence& recurrence, const Real* ordered, Real* sums, Real* values) {
+SHRM_CLONES void evaluate_block(const glm::dvec3* directions, int count, int F, int channels,
+                                const LegendreRecurrence& recurrence, const Real* ordered, Real* sums,
+                                Real* values) {
     double x[N], sine[N], cos1[N], sin1[N], cosm[N], sinm[N];
     for (int n = 0; n < N; ++n) {
         const glm::dvec3 d = directions[std::min(n, count - 1)];
@@ -291,8 +309,8 @@ void evaluate_block(const glm::dvec3* directions, int count, int F, int channels
 }  // namespace
 
 template <class Real>
-void evaluate(std::span<const double> coefficients, int channels, int F, std::span<const glm::dvec3> directions,
-              std::span<Real> values) {
+void evaluate(std::span<const double> coefficients, int channels, int F,
+              std::span<const glm::dvec3> directions, std::span<Real> values) {
     constexpr int N = 8;
     const LegendreRecurrence recurrence(F);
     std::vector<Real> ordered;
@@ -301,14 +319,16 @@ void evaluate(std::span<const double> coefficients, int channels, int F, std::sp
         for (int l = m; l <= F; ++l)
             for (int sign : {1, -1})
                 for (int c = 0; c < channels; ++c)
-                    ordered.push_back(static_cast<Real>(real_norm(m) * coefficients[lm(l, sign * m) * size(channels) + size(c)]));
+                    ordered.push_back(static_cast<Real>(
+                        real_norm(m) * coefficients[lm(l, sign * m) * size(channels) + size(c)]));
     const auto n = static_cast<std::ptrdiff_t>(directions.size());
 #pragma omp parallel
     {
         std::vector<Real> sums(size(N * channels));
 #pragma omp for schedule(static)
         for (std::ptrdiff_t i = 0; i < n; i += N)
-            evaluate_block<Real, N>(directions.data() + i, static_cast<int>(std::min<std::ptrdiff_t>(N, n - i)), F, channels,
+            evaluate_block<Real, N>(directions.data() + i,
+                                    static_cast<int>(std::min<std::ptrdiff_t>(N, n - i)), F, channels,
                                     recurrence, ordered.data(), sums.data(), values.data() + i * channels);
     }
 }

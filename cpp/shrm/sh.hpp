@@ -28,12 +28,13 @@ void analysis(std::span<const float> pixels, int H, int W, int channels, int F, 
 // Values at the texel centres, the adjoint of analysis but for the quadrature weights. Ring by ring and
 // planar, the order in which reflection maps are kept:
 //   coefficients ((F+1)^2, channels), rings (H, channels, W)
-void synthesis(std::span<const double> coefficients, int channels, int F, int H, int W, std::span<float> rings);
+void synthesis(std::span<const double> coefficients, int channels, int F, int H, int W,
+               std::span<float> rings);
 
 // Values at n unit directions; Real is float (maps) or double (the public evaluation).
 //   coefficients ((F+1)^2, channels), values (n, channels)
 template <class Real>
-void evaluate(std::span<const double> coefficients, int channels, int F, std::span<const glm::dvec3> directions,
-              std::span<Real> values);
+void evaluate(std::span<const double> coefficients, int channels, int F,
+              std::span<const glm::dvec3> directions, std::span<Real> values);
 
 }  // namespace shrm

@@ -11,7 +11,9 @@
 namespace shrm {
 namespace {
 
-constexpr std::size_t size(int n) { return static_cast<std::size_t>(n); }
+constexpr std::size_t size(int n) {
+    return static_cast<std::size_t>(n);
+}
 
 }  // namespace
 
@@ -20,10 +22,14 @@ WignerRecurrence::WignerRecurrence(int m, int q, int F) : first_(std::max(std::a
     // d_{mq} = (-1)^{m-q} d_{qm} = (-1)^{m-q} d_{-m,-q}.
     const int j = first_;
     int k = 0, sign_power = 0;
-    if (m == j) k = q, sign_power = j - k;
-    else if (m == -j) k = -q, sign_power = 0;
-    else if (q == j) k = m, sign_power = 0;
-    else k = -m, sign_power = j - k;
+    if (m == j)
+        k = q, sign_power = j - k;
+    else if (m == -j)
+        k = -q, sign_power = 0;
+    else if (q == j)
+        k = m, sign_power = 0;
+    else
+        k = -m, sign_power = j - k;
     cos_power_ = j + k;
     sin_power_ = j - k;
     double binomial = 1;
@@ -49,7 +55,8 @@ EulerAngles euler_angles(const glm::dmat3& R) {  // glm: R[column][row]
     return {std::atan2(R[2][1], R[2][0]), std::atan2(sine, R[2][2]), std::atan2(R[1][2], -R[0][2])};
 }
 
-void rotate(std::span<const double> coefficients, int channels, int F, const glm::dmat3& R, std::span<double> rotated) {
+void rotate(std::span<const double> coefficients, int channels, int F, const glm::dmat3& R,
+            std::span<double> rotated) {
     using Complex = std::complex<double>;
     const auto [beta, alpha, gamma] = euler_angles(R);
     const double x = std::cos(alpha), cos_half = std::cos(alpha / 2), sin_half = std::sin(alpha / 2);
@@ -61,7 +68,8 @@ void rotate(std::span<const double> coefficients, int channels, int F, const glm
         for (int q = 0; q <= l; ++q)
             for (std::size_t c = 0; c < n; ++c) {
                 const double plus = coefficients[lm(l, q) * n + c], minus = coefficients[lm(l, -q) * n + c];
-                turned[lm(l, q) * n + c] = q ? Complex(plus, -minus) * std::polar(1.0, -q * gamma) : Complex(plus, 0);
+                turned[lm(l, q) * n + c] =
+                    q ? Complex(plus, -minus) * std::polar(1.0, -q * gamma) : Complex(plus, 0);
             }
 #pragma omp parallel
     {
@@ -71,11 +79,13 @@ void rotate(std::span<const double> coefficients, int channels, int F, const glm
             sums.assign(size(F + 1) * n, 0);
             for (int q = 0; q <= F; ++q) {
                 const WignerRecurrence plus(m, q, F), minus(m, -q, F);
-                double d = plus.start(cos_half, sin_half), e = minus.start(cos_half, sin_half), d0 = 0, e0 = 0;
+                double d = plus.start(cos_half, sin_half), e = minus.start(cos_half, sin_half), d0 = 0,
+                       e0 = 0;
                 const double sign = q % 2 ? -1 : 1;
                 for (int l = plus.first_degree(); l <= F; ++l) {
                     // c_{l,-q} = (-1)^q conj(c_lq); the real basis carries sqrt2 for q > 0
-                    const double re = q ? (d + sign * e) / 2 : d / std::numbers::sqrt2, im = q ? (d - sign * e) / 2 : 0;
+                    const double re = q ? (d + sign * e) / 2 : d / std::numbers::sqrt2,
+                                 im = q ? (d - sign * e) / 2 : 0;
                     for (std::size_t c = 0; c < n; ++c) {
                         const Complex t = turned[lm(l, q) * n + c];
                         sums[size(l) * n + c] += Complex(re * t.real(), im * t.imag());
@@ -104,13 +114,14 @@ double ClebschGordan::operator()(int l, int m, int p, int mu, int j) const {
     const int k = m + mu;
     if (std::abs(m) > l || std::abs(mu) > p || std::abs(k) > j || j < std::abs(l - p) || j > l + p) return 0;
     const auto f = [this](int n) { return log_factorial(n); };
-    const double norm = (std::log(2 * j + 1) + f(l + p - j) + f(l - p + j) + f(p + j - l) - f(l + p + j + 1) + f(j + k) +
-                         f(j - k) + f(l - m) + f(l + m) + f(p - mu) + f(p + mu)) / 2;
+    const double norm = (std::log(2 * j + 1) + f(l + p - j) + f(l - p + j) + f(p + j - l) - f(l + p + j + 1) +
+                         f(j + k) + f(j - k) + f(l - m) + f(l + m) + f(p - mu) + f(p + mu)) /
+                        2;
     double sum = 0;
     const int last = std::min({l + p - j, l - m, p + mu});
     for (int z = std::max({0, p - m - j, l + mu - j}); z <= last; ++z) {
-        const double term = std::exp(norm - f(z) - f(l + p - j - z) - f(l - m - z) - f(p + mu - z) - f(j - p + m + z) -
-                                     f(j - l - mu + z));
+        const double term = std::exp(norm - f(z) - f(l + p - j - z) - f(l - m - z) - f(p + mu - z) -
+                                     f(j - p + m + z) - f(j - l - mu + z));
         sum += z % 2 ? -term : term;
     }
     return sum;

@@ -10,8 +10,9 @@
 
 namespace shrm {
 
-// d^l_{mq}(alpha) for rising l at fixed m and q: the three-term recurrence in l [VMK88 4.8], in float64 (1e-15;
-// near the poles 1e-12). It starts at l = max(|m|, |q|) from a product of half-angle cosines and sines.
+// d^l_{mq}(alpha) for rising l at fixed m and q: the three-term recurrence in l [VMK88 4.8], in float64
+// (1e-15; near the poles 1e-12). It starts at l = max(|m|, |q|) from a product of half-angle cosines and
+// sines.
 class WignerRecurrence {
   public:
     WignerRecurrence(int m, int q, int F);
@@ -39,9 +40,11 @@ EulerAngles euler_angles(const glm::dmat3& R);
 
 // The coefficients of L(R^T w): c'_lm = sum_q e^{-i m beta} d^l_{mq}(alpha) e^{-i q gamma} c_lq.
 //   coefficients and rotated ((F+1)^2, channels), real basis
-void rotate(std::span<const double> coefficients, int channels, int F, const glm::dmat3& R, std::span<double> rotated);
+void rotate(std::span<const double> coefficients, int channels, int F, const glm::dmat3& R,
+            std::span<double> rotated);
 
-// <l m p mu | j m+mu> by Racah's sum [VMK88 8.2] with a table of log n!; relative error below 1e-11 for p <= 16.
+// <l m p mu | j m+mu> by Racah's sum [VMK88 8.2] with a table of log n!; relative error below 1e-11 for p
+// <= 16.
 class ClebschGordan {
   public:
     explicit ClebschGordan(int max_sum);  // l + p + j + 1 <= max_sum

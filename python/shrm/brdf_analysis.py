@@ -170,17 +170,17 @@ class LobeAnalysis:
     @property
     def L(self) -> int:
         """The largest degree analysed."""
-        return self.g.shape[2] - 1
+        return int(self.g.shape[2]) - 1
 
     @property
     def Q(self) -> int:
         """The largest azimuthal order analysed."""
-        return self.g.shape[1] - 1
+        return int(self.g.shape[1]) - 1
 
     @property
     def channels(self) -> int:
         """1, or 3 for a lobe whose channels differ."""
-        return self.g.shape[0]
+        return int(self.g.shape[0])
 
     def degree_energy(self) -> FloatArray:
         """Energy of each degree over all p, (L+1, channels): sum_q U_q of the mean of g_lq^2."""
@@ -205,7 +205,9 @@ class LobeAnalysis:
             root = np.sqrt(self.weight)
             for q in range(min(P, self.Q) + 1):
                 basis = (_core.legendre(F=P, m=q, theta=self.theta_o)[q:] * root).T
-                wanted = np.moveaxis(self.g[:, q] * root, -1, 0).reshape(len(root), -1)  # (views, channels (L+1))
+                wanted = np.moveaxis(self.g[:, q] * root, -1, 0).reshape(
+                    len(root), -1
+                )  # (views, channels (L+1))
                 fit = np.linalg.lstsq(basis, wanted, rcond=1e-6)[0]
                 lost = ((wanted - basis @ fit) ** 2).sum(axis=0)
                 energy = ((wanted**2).sum(axis=0) - lost).reshape(self.channels, self.L + 1)
@@ -236,7 +238,7 @@ def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
 
 
 def gamma_table(center: Center, lobe: Lobe | None = None) -> FloatArray:
-    """The angle between C and N over theta_v in [0, pi/2], (257,) float64 radians; empty about the tangent."""
+    """Return gamma over theta_v in [0, pi/2], (257,) float64 radians; empty about the tangent."""
     theta_v = np.linspace(0, np.pi / 2, GAMMA_SIZE)
     if center == "reflection":
         return theta_v
@@ -304,7 +306,9 @@ def _tabulate(lobe: Lobe, theta_v: FloatArray, gamma: FloatArray, nodes: Quadrat
 def _lobe_centre(lobe: Lobe) -> tuple[FloatArray, float]:
     """The table of gamma for the mean direction of rho_hat^2, and the angle that holds half the energy."""
     theta_v = np.linspace(0, _GRAZING, 25)
-    nodes = horizon_quadrature(theta_v, 0.01, L=0, K=16, least=6)  # about R, from a hundredth of a radian outwards
+    nodes = horizon_quadrature(
+        theta_v, 0.01, L=0, K=16, least=6
+    )  # about R, from a hundredth of a radian outwards
     energy = (_tabulate(lobe, theta_v, theta_v, nodes) ** 2).sum(axis=-1)
     energy *= nodes.weight_theta[..., None] * nodes.weight_phi
     along_x = (energy * np.sin(nodes.theta_i)[..., None] * np.cos(nodes.phi)).sum(axis=(1, 2))

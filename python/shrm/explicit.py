@@ -1,7 +1,8 @@
 """Conversions between reflection maps and the explicit sets of maps of earlier methods [RH02 appendix C].
 
-Both ways: from a SHRM to Cabral's twelve icosahedral maps, to Kautz and McCool's three-dimensional texture and to
-an explicit set for a grid of views; and from any explicit set of maps to a SHRM, by fitting its coefficients.
+Both ways: from a SHRM to Cabral's twelve icosahedral maps, to Kautz and McCool's three-dimensional texture
+and to an explicit set for a grid of views; and from any explicit set of maps to a SHRM, by fitting its
+coefficients.
 
 References
 ----------
@@ -71,7 +72,7 @@ def icosahedral_maps(rm: ReflectionMap) -> Float32Array:
 
 
 def reflection_maps(rm: ReflectionMap, T: int) -> Float32Array:
-    """Return an explicit T x T set of reflection maps, for the views of `grid_views`: (T, T, H, W, 3) float32."""
+    """Return an explicit T x T set of maps, for the views of `grid_views`: (T, T, H, W, 3) float32."""
     maps = maps_at_views(rm, grid_views(T).reshape(-1, 3))
     return maps.reshape(T, T, *maps.shape[1:])
 
@@ -107,7 +108,11 @@ def three_dimensional_texture(rm: ReflectionMap, T: int) -> Float32Array:
 
 
 def fit(
-    maps: npt.ArrayLike, views: npt.ArrayLike, P: int, center: Center = "reflection", name: str = "explicit set"
+    maps: npt.ArrayLike,
+    views: npt.ArrayLike,
+    P: int,
+    center: Center = "reflection",
+    name: str = "explicit set",
 ) -> ReflectionMap:
     """Return the SHRM that fits an explicit set of reflection maps, by least squares over its views.
 
@@ -138,7 +143,12 @@ def fit(
     pixels = real_array("maps", maps)
     one_of("center", center, ("reflection", "normal", "tangent"))
     whole_number("P", P, 0, 24)
-    if pixels.ndim != 4 or len(pixels) != len(V) or pixels.shape[2] != 2 * pixels.shape[1] or pixels.shape[3] != 3:
+    if (
+        pixels.ndim != 4
+        or len(pixels) != len(V)
+        or pixels.shape[2] != 2 * pixels.shape[1]
+        or pixels.shape[3] != 3
+    ):
         raise ValueError(f"maps has the shape {pixels.shape}, but needs ({len(V)}, H, 2 H, 3)")
     if pixels.shape[1] % 2:
         raise ValueError(f"maps needs an even number of rows, got {pixels.shape[1]}")
@@ -163,7 +173,7 @@ def fit(
 
 
 def _azimuthal_mean(part: Part) -> FloatArray:
-    """B_p0 of the local form from the global maps: eq. 8 for s = 0, sqrt(4 pi / (2p+1)) sum_q B~_pq Y_pq(C)."""
+    """B_p0 of the local form: eq. 8 for s = 0 is sqrt(4 pi / (2p+1)) sum_q B~_pq Y_pq(C)."""
     maps = part.maps.astype(np.float64)
     C = part.directions().reshape(-1, 3)
     Y = sh.evaluate(np.eye(maps.shape[0]), C).T.reshape(maps.shape[:-1])
@@ -172,4 +182,3 @@ def _azimuthal_mean(part: Part) -> FloatArray:
         rows = slice(p * p, (p + 1) * (p + 1))
         means.append(np.sqrt(4 * np.pi / (2 * p + 1)) * (maps[rows] * Y[rows, ..., None]).sum(axis=0))
     return np.stack(means)
-

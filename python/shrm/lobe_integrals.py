@@ -91,7 +91,7 @@ class ZonalIntegral:
     def __init__(self, profile: Callable[[Array, Array], Array], tolerance: float):
         table = lobe_tables.zonal_table(profile, tolerance)
         self.width, self.error = table.width, table.error
-        self._table = {"profiles": table.values, "bands": table.bands}
+        self._table: dict[str, Any] = {"profiles": table.values, "bands": table.bands}
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
         """Reflected radiance; see `LobeIntegral`."""
@@ -109,7 +109,7 @@ class IsotropicIntegral:
         table = lobe_tables.isotropic_table(transfer, tolerance)
         self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
         self.width, self.error = table.width, table.error
-        self._table = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
+        self._table: dict[str, Any] = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
         self._lobe_center = table.lobe_center
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:

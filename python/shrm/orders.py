@@ -170,9 +170,10 @@ def choose(
         if not found.limited_by:
             return found
     assert found is not None
+    cap = P_max if found.limited_by == "P" else F_max
     warnings.warn(
         f"{brdf.name}: tolerance {tolerance:g} ({criterion}) is not met with "
-        f"{found.limited_by} <= {P_max if found.limited_by == 'P' else F_max}: the error is {found.error:.3g}; "
+        f"{found.limited_by} <= {cap}: the error is {found.error:.3g}; "
         f"raise {found.limited_by}_max or integrate with prefilter_angular",
         ToleranceWarning,
         stacklevel=2,
@@ -182,7 +183,7 @@ def choose(
 
 def degrees_tried(F_max: int) -> list[int]:
     """Return the largest degrees that are analysed, one after the other, until the tolerance is met."""
-    return [*(L for L in _ENLARGEMENTS if L < F_max), F_max]
+    return [*(L for L in _ENLARGEMENTS if F_max > L), F_max]
 
 
 def analysis_degree(F: int, F_max: int) -> int:
@@ -291,7 +292,9 @@ class _Measure:
         light_above = self.power.degrees[F + 1 :].sum(axis=0) + self.power.rest
         brdf_above = self.degree_energy[F + 1 :].sum(axis=0) + self.unresolved
         in_degrees = np.maximum(self.degree_energy[: F + 1] - captured[: F + 1], 0.0)
-        residual = float((light_above * brdf_above).sum() / (2 * F + 3) + (self.light[: F + 1] * in_degrees).sum())
+        residual = float(
+            (light_above * brdf_above).sum() / (2 * F + 3) + (self.light[: F + 1] * in_degrees).sum()
+        )
         kept = float((self.light[: F + 1] * captured[: F + 1]).sum())
         return self.total * residual / max(kept + residual, 1e-300)
 
@@ -315,7 +318,8 @@ def _choose_at(
             beyond_P = measure.degree_energy - lobe.captured(P)
             lost_in_p = float((measure.light * beyond_P).sum()) if criterion != "minimum" else 0.0
             limited_by = "P" if most and lost_in_p > measure.residual(L, P) / 2 else "F"
-        # Within 2% of the squared error, if that is more than allowed: degrees that P makes useless are not kept.
+        # Within 2% of the squared error, if that is more than allowed: degrees that P makes useless are not
+        # kept.
         target = max(allowed, 1.02 * measure.residual(L, P))
         F = next(F for F in range(L + 1) if measure.residual(F, P) <= target)
         chosen.append(LobeOrders(F, P, measure.residual(F, P), measure.total))

@@ -1,7 +1,8 @@
 """Prefiltering in frequency space: from an environment and a material to a reflection map.
 
-The three steps of [RH02] appendix C: coefficients of light and material, their product, synthesis. The global form
-is synthesised at once, as an ordinary band-limited function (see `cpp/shrm/reflection_map.hpp`).
+The three steps of [RH02] appendix C: coefficients of light and material, their product, synthesis. The
+global form is synthesised at once, as an ordinary band-limited function (see
+`cpp/shrm/reflection_map.hpp`).
 
 References
 ----------
@@ -128,7 +129,9 @@ def prefilter(
         power = LightPower.of(env, max(F_max, *(F for F, _ in lobe_orders)))
         return error_of(brdf, lobe_orders, power, criterion, windows).error
 
-    parts = [_unsampled(lobe, light, *pair, w) for lobe, pair, w in zip(lobes, lobe_orders, windows, strict=True)]
+    parts = [
+        _unsampled(lobe, light, *pair, w) for lobe, pair, w in zip(lobes, lobe_orders, windows, strict=True)
+    ]
 
     def between_texels(size: int) -> float:
         return interpolation_error([map_spectrum(part) for part in parts], size, layout)
@@ -139,7 +142,9 @@ def prefilter(
     chosen_size = size
 
     def predict() -> float:
-        return float(np.hypot(truncation_error(), between_texels(chosen_size) if criterion == "light" else 0.0))
+        return float(
+            np.hypot(truncation_error(), between_texels(chosen_size) if criterion == "light" else 0.0)
+        )
 
     sampled = tuple(part.resized(size, layout) for part in parts)
     return ReflectionMap(sampled, brdf.name, criterion, window, clamp, predict)
@@ -216,4 +221,3 @@ def _pair(orders: tuple[int, int]) -> tuple[int, int]:
         raise ValueError(f"orders must be a pair (F, P), got {orders!r}") from None
     require_orders(F, P)
     return int(F), int(P)
-

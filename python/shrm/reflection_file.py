@@ -34,14 +34,14 @@ FloatArray = npt.NDArray[np.float64]
 VERSION = 1
 
 _CONVENTIONS = {
-    "shrm:axes": "right-handed, z up; lat-long: row 0 at +z, column centres at phi = pi - 2 pi (j + 1/2) / W from +x "
-    "towards +y",
-    "shrm:basis": "real orthonormal spherical harmonics, index l(l+1)+m, sqrt2 Re Y_lm for m > 0, sqrt2 Im Y_l|m| for "
-    "m < 0, Condon-Shortley phase",
-    "shrm:radiance": "sum over p, q of B_p_q(C) Y_pq(V), V the world direction towards the eye; zonal: sum over p of "
-    "B_p_0(C) Y_p0(angle between C and V)",
-    "shrm:central direction": "C = cos(gamma) N - sin(gamma) (V - (N.V) N) / |V - (N.V) N|; reflection: gamma = theta_v, "
-    "normal: gamma = 0, tangent: C = T",
+    "shrm:axes": "right-handed, z up; lat-long: row 0 at +z, column centres at phi = pi - 2 pi (j + 1/2) / W "
+    "from +x towards +y",
+    "shrm:basis": "real orthonormal spherical harmonics, index l(l+1)+m, sqrt2 Re Y_lm for m > 0, "
+    "sqrt2 Im Y_l|m| for m < 0, Condon-Shortley phase",
+    "shrm:radiance": "sum over p, q of B_p_q(C) Y_pq(V), V the world direction towards the eye; "
+    "zonal: sum over p of B_p_0(C) Y_p0(angle between C and V)",
+    "shrm:central direction": "C = cos(gamma) N - sin(gamma) (V - (N.V) N) / |V - (N.V) N|; "
+    "reflection: gamma = theta_v, normal: gamma = 0, tangent: C = T",
 }
 
 
@@ -55,7 +55,7 @@ def save(rm: ReflectionMap, path: str | Path) -> None:
     """
     parts: list[image_io.Part] = []
     for k, part in enumerate(rm.parts):
-        about = {
+        about: dict[str, str | int | float] = {
             "shrm:center": part.center,
             "shrm:layout": part.layout,
             "shrm:zonal": int(part.zonal),
@@ -97,7 +97,9 @@ def load(path: str | Path) -> ReflectionMap:
         raise ImageError(f"{path}: no reflection map (it has no part 0.maps with shrm's metadata)")
     about = images["0.maps"].metadata
     if about["shrm:version"] != VERSION:
-        raise ImageError(f"{path}: a reflection map of version {about['shrm:version']}, this reads version {VERSION}")
+        raise ImageError(
+            f"{path}: a reflection map of version {about['shrm:version']}, this reads version {VERSION}"
+        )
     try:
         parts = tuple(_part(images, k) for k in range(_number(about, "shrm:lobes")))
         error = float(cast(float, about["shrm:error"]))
@@ -135,7 +137,9 @@ def _part(images: Mapping[str, image_io.Part], k: int) -> Part:
         if len(gamma) < 2:
             raise ValueError("a table of gamma with one entry")
     maps = picture.pixels.reshape(rows, columns, channels // 3, 3)
-    part = Part(cast(Center, center), gamma, zonal, cast(Layout, layout), light, rho, maps.transpose(0, 2, 3, 1))
+    part = Part(
+        cast(Center, center), gamma, zonal, cast(Layout, layout), light, rho, maps.transpose(0, 2, 3, 1)
+    )
     if layout == "cube":
         return _bordered(part, maps)
     if rows % 2 or columns != 2 * rows:
@@ -153,14 +157,18 @@ def _bordered(part: Part, maps: npt.NDArray[np.float32]) -> Part:
     rings = synthesised(part.coefficients, N, "cube")
     side = N + 2 * BORDER
     faces = rings.reshape(6, side, *rings.shape[1:])
-    faces[:, BORDER:-BORDER, ..., BORDER:-BORDER] = maps.reshape(6, N, *maps.shape[1:]).transpose(0, 1, 3, 4, 2)
+    faces[:, BORDER:-BORDER, ..., BORDER:-BORDER] = maps.reshape(6, N, *maps.shape[1:]).transpose(
+        0, 1, 3, 4, 2
+    )
     return Part(part.center, part.gamma, part.zonal, "cube", part.light, part.rho, rings)
 
 
 def _image(
     name: str, pixels: npt.NDArray[Any], channels: str | list[str], about: Mapping[str, Any] | None = None
 ) -> image_io.Part:
-    return image_io.Part(name, np.ascontiguousarray(pixels, dtype=np.float32), list(channels), dict(about or {}))
+    return image_io.Part(
+        name, np.ascontiguousarray(pixels, dtype=np.float32), list(channels), dict(about or {})
+    )
 
 
 def _pixels(images: Mapping[str, image_io.Part], name: str, shape: tuple[int | None, ...]) -> FloatArray:

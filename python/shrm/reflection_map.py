@@ -4,9 +4,9 @@ For every central direction C a map's texel holds a spherical harmonic series in
 
     radiance = sum_pq B~_pq(C) Y_pq(V)          [RH02] eq. 7
 
-The maps are those of the *global* form: scalar functions on the sphere, band-limited to degree F + p, which may be
-interpolated and resampled. Lobes without azimuth (radial, or about the tangent) keep only q = 0 of the *local*
-form, P + 1 maps, and radiance = sum_p B_p0(C) Y_p0(angle between C and V)     [RH02] eq. 6.
+The maps are those of the *global* form: scalar functions on the sphere, band-limited to degree F + p, which
+may be interpolated and resampled. Lobes without azimuth (radial, or about the tangent) keep only q = 0 of
+the *local* form, P + 1 maps, and radiance = sum_p B_p0(C) Y_p0(angle between C and V)     [RH02] eq. 6.
 
 A material of several lobes has a part for each, about its own centre.
 
@@ -84,14 +84,14 @@ class Part:
     @property
     def size(self) -> int:
         """Rows of a lat-long map, or of a cube's face."""
-        return self.rings.shape[0] if self.layout == "latlong" else self.rings.shape[3] - 2 * BORDER
+        return int(self.rings.shape[0] if self.layout == "latlong" else self.rings.shape[3] - 2 * BORDER)
 
     @property
     def maps(self) -> Float32Array:
         """The coefficient maps, a view.
 
-        ((P+1)^2, H, W, 3) float32 at index p(p+1)+q of the real basis, or (P+1, H, W, 3) at index p if zonal; for
-        cubes H, W become 6, N, N with the faces in the order +X -X +Y -Y +Z -Z.
+        ((P+1)^2, H, W, 3) float32 at index p(p+1)+q of the real basis, or (P+1, H, W, 3) at index p if
+        zonal; for cubes H, W become 6, N, N with the faces in the order +X -X +Y -Y +Z -Z.
         """
         if self.layout == "latlong":
             return self.rings.transpose(1, 0, 3, 2)
@@ -121,8 +121,11 @@ class Part:
         if not self.zonal:
             return _core.global_coefficients(light=self.light, rho=self.rho)
         l = np.repeat(np.arange(self.F + 1), 2 * np.arange(self.F + 1) + 1)
-        # B_p0 = sum_lm L_lm rho_lp0 d^l_m0 e^{i m beta} and Y_lm = sqrt((2l+1)/4pi) d^l_m0 e^{i m beta}, eq. 14
-        return np.asarray(self.light[:, None, :] * (np.sqrt(4 * np.pi / (2 * l + 1))[:, None, None] * self.rho[l, :, 0]))
+        # B_p0 = sum_lm L_lm rho_lp0 d^l_m0 e^{i m beta} and Y_lm = sqrt((2l+1)/4pi) d^l_m0 e^{i m beta}, eq.
+        # 14
+        return np.asarray(
+            self.light[:, None, :] * (np.sqrt(4 * np.pi / (2 * l + 1))[:, None, None] * self.rho[l, :, 0])
+        )
 
     def local_maps(self, H: int, W: int | None = None) -> Float32Array:
         """Return the local form B_pq(alpha, beta) [RH02 eq. 14] on a lat-long grid.
@@ -137,8 +140,8 @@ class Part:
         Returns
         -------
         ((P+1)^2, H, W, 3) float32
-            sqrt2 Re B_pq at p(p+1)+q, B_p0, and -sqrt2 Im B_pq at p(p+1)-q: the coefficients in the real basis
-            of the view in the frame of C.
+            sqrt2 Re B_pq at p(p+1)+q, B_p0, and -sqrt2 Im B_pq at p(p+1)-q: the coefficients in the real
+            basis of the view in the frame of C.
         """
         width = 2 * H if W is None else W
         rings = _core.local_reflection_map(light=self.light, rho=self.rho, H=H, W=width)
@@ -247,7 +250,7 @@ class ReflectionMap:
         one_of("interpolation", interpolation, ("cubic", "bilinear"))
         N = unit_vectors("normals", normals)
         V = unit_vectors("views", views, 1 if np.ndim(views) == 1 else len(N))
-        T = None
+        T = N
         if any(part.center == "tangent" for part in self.parts):
             if tangents is None:
                 raise ValueError(f"{self.brdf} has a lobe about the tangent: radiance needs tangents")
@@ -280,8 +283,8 @@ class ReflectionMap:
         Returns
         -------
         (H, W, 3) float32, or (6, N, N, 3) for cubes, or a dict of such arrays
-            A dict {centre: map} if the material has several centres; lobes about the same centre are summed. A
-            second lobe centre is called "lobe 2", and so on.
+            A dict {centre: map} if the material has several centres; lobes about the same centre are
+            summed. A second lobe centre is called "lobe 2", and so on.
         """
         V = unit_vectors("view", view, 1)
         maps: dict[str, Float32Array] = {}
@@ -291,7 +294,9 @@ class ReflectionMap:
             if part.center == "lobe":
                 lobes += 1
                 name = "lobe" if lobes == 1 else f"lobe {lobes}"
-            rings = _core.view_map(rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V)
+            rings = _core.view_map(
+                rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V
+            )
             if part.layout == "cube":
                 side = rings.shape[1]
                 inner = slice(BORDER, side - BORDER)

@@ -1,10 +1,11 @@
 """Spherical harmonics: analysis, synthesis, evaluation and rotation.
 
-Coefficients are in the real orthonormal basis, index l(l+1)+m: sqrt2 Re Y_lm for m > 0, Y_l0, sqrt2 Im Y_l|m|
-for m < 0, with the Condon-Shortley phase; one column for each channel. Pictures are lat-long, row 0 at +z, the
-centre looking along +x, nothing mirrored when seen from inside.
+Coefficients are in the real orthonormal basis, index l(l+1)+m: sqrt2 Re Y_lm for m > 0, Y_l0, sqrt2 Im
+Y_l|m| for m < 0, with the Condon-Shortley phase; one column for each channel. Pictures are lat-long, row 0
+at +z, the centre looking along +x, nothing mirrored when seen from inside.
 
-Everything is separable: F-degree coefficients of an S x 2S picture take O(F S^2) operations [RH02 section 6.1].
+Everything is separable: F-degree coefficients of an S x 2S picture take O(F S^2) operations [RH02 section
+6.1].
 
 References
 ----------
@@ -30,8 +31,9 @@ FloatArray = npt.NDArray[np.float64]
 def analysis(pixels: npt.ArrayLike, F: int) -> FloatArray:
     """Transform samples at the texel centres to coefficients.
 
-    The quadrature is Fejer's first rule: exact, and the inverse of `synthesis`, for functions of degree
-    D <= F if D + F < H and D + F < W. For a *picture*, whose texels are areas, see `Environment.coefficients`.
+    The quadrature is Fejer's first rule: exact, and the inverse of `synthesis`, for functions of degree D
+    <= F if D + F < H and D + F < W. For a *picture*, whose texels are areas, see
+    `Environment.coefficients`.
 
     Parameters
     ----------
@@ -161,7 +163,9 @@ def _coefficients(coefficients: npt.ArrayLike) -> FloatArray:
     if array.ndim == 1:
         array = array[:, None]
     if array.ndim != 2 or 0 in array.shape:
-        raise ValueError(f"coefficients must have the shape ((F+1)^2, channels), got {np.shape(coefficients)}")
+        raise ValueError(
+            f"coefficients must have the shape ((F+1)^2, channels), got {np.shape(coefficients)}"
+        )
     if degree_of(array) > MAX_DEGREE:
         raise ValueError(f"coefficients must have degrees up to {MAX_DEGREE} at most, got {degree_of(array)}")
     return np.ascontiguousarray(array)
