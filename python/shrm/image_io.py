@@ -210,7 +210,7 @@ def write_image(path: PathLike, pixels: npt.NDArray[Any], *, metadata: Metadata 
     if pixels.dtype != wanted:
         raise TypeError(f"pixels must be {wanted.__name__} for {suffix}, but are {pixels.dtype}")
     if pixels.ndim != 3 or pixels.shape[2] not in (3, 4) or 0 in pixels.shape:
-        raise ValueError(f"pixels must have shape (H, W, 3) or (H, W, 4), but have {pixels.shape}")
+        raise ValueError(f"pixels must have shape (H, W, 4) or (H, W, 3), but have {pixels.shape}")
     if not eight_bit:
         _finite(path, pixels, repair=False)
     if suffix == ".hdr" and np.any(pixels < 0):
@@ -282,9 +282,8 @@ def draw_text(pixels: npt.NDArray[np.uint8], text: str, x: int, y: int, size: in
     height, width, channels = pixels.shape
     picture = oiio.ImageBuf(oiio.ImageSpec(width, height, channels, oiio.UINT8))
     picture.set_pixels(picture.roi, np.ascontiguousarray(pixels))
-    oiio.ImageBufAlgo.render_text(
-        picture, x, y, text, size, "DroidSans", (1.0,) * channels, "center", "baseline"
-    )
+    white = (1.0,) * channels
+    oiio.ImageBufAlgo.render_text(picture, x, y, text, size, "DroidSans", white, "center", "baseline")
     return np.asarray(picture.get_pixels(oiio.UINT8)).reshape(pixels.shape)
 
 
