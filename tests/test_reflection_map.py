@@ -4,7 +4,7 @@ import numpy as np
 import oracles
 import pytest
 from scipy.spatial.transform import Rotation
-from shrm import _core, brdf, explicit, prefilter, sh
+from shrm import _core, brdf, explicit, layouts, prefilter, sh
 from shrm.environment import Environment
 from shrm.explicit import fit, icosahedral_maps, icosahedron, reflection_maps, three_dimensional_texture
 
@@ -411,3 +411,10 @@ def test_prefilter_wants_an_environment_and_a_material():
         prefilter(np.ones((8, 16, 3)), brdf.Lambert(1.0))
     with pytest.raises(TypeError, match=r"brdf must be a material of shrm\.brdf, got str"):
         prefilter(Environment(np.ones((8, 16, 3), np.float32)), "lambert")
+
+
+def test_cubes_have_the_faces_of_the_strip_layout():
+    """One orientation of cube maps in the whole package."""
+    rm = prefilter(Environment(np.ones((8, 16, 3), np.float32)), brdf.Lambert(1.0), size=6, layout="cube")
+    expected = layouts.directions("strip", 36, 6).reshape(6, 6, 6, 3)
+    np.testing.assert_allclose(rm.parts[0].directions(), expected, atol=1e-12)

@@ -130,9 +130,8 @@ struct Frame {
 Frame frame_of(Disc::Kind kind, bool second) {
     switch (kind) {
         case Disc::Kind::angular:
-            return {X, -Y, Z};
         case Disc::Kind::mirror_ball:
-            return {-X, -Y, Z};
+            return {X, -Y, Z};
         case Disc::Kind::paraboloids:
             break;
     }

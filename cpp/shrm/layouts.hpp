@@ -5,7 +5,7 @@
 // [j, j + 1] x [i, i + 1]. Every layout maps positions to unit directions one to one, except on
 // seams. What lies outside a layout's domain (the empty part of a cross, the corners round a
 // disc) has density -1, and a texel that the domain's edge cuts counts only for its part.
-// Seen from inside the sphere no layout is mirrored, but for the mirror ball, which is a mirror.
+// Seen from inside the sphere no layout is mirrored.
 //
 // Debevec's axes, X right, Y up, -Z forward, are (x, y, z) here = (-Z, -X, Y) there: forward is
 // the centre of the lat-long picture, +x; right is -y.
@@ -85,10 +85,9 @@ class Disc {
   public:
     // angular       Debevec's light probe, angle = pi r: the centre looks along +x, right is
     //               -y, up is +z, the rim is -x.
-    // mirror_ball   the photograph of a mirrored ball by a distant camera that looks along +x,
-    //               angle = 2 asin r: the centre reflects the camera, -x, and the rim what is
-    //               behind the ball, +x; right is -y, up is +z. Writing in it is mirrored, as
-    //               it is on a real ball.
+    // mirror_ball   angle = 2 asin r, as on a mirrored ball, with the axes of the light probe; every
+    //               texel of the disc has the same solid angle. (A photograph of a real ball shows
+    //               the world mirrored: flip it left to right, and its front is behind the camera.)
     // paraboloids   two side by side, angle = 2 atan r: the left looks along +z (right -y,
     //               up -x), the right along -z (right -y, up +x). [HS98]
     enum class Kind { angular, mirror_ball, paraboloids };

@@ -86,8 +86,9 @@ Stencil latlong_stencil(int H, int W, const glm::dvec3& direction, bool bilinear
     return s;
 }
 
-Stencil cube_stencil(int padded, const glm::dvec3& d, bool bilinear) {
+Stencil cube_stencil(int padded, const glm::dvec3& direction, bool bilinear) {
     const int N = padded - 2 * cube_border;
+    const glm::dvec3 d{-direction.y, direction.z, direction.x};  // in the cube's axes
     const glm::dvec3 a = glm::abs(d);
     int face;
     double s, t, major;
@@ -141,20 +142,10 @@ void interpolate(const ReflectionMapView& map, const Stencil& s, const double* w
 }  // namespace
 
 glm::dvec3 cube_direction(int face, double s, double t) {
-    switch (face) {
-        case 0:
-            return {1, -t, -s};
-        case 1:
-            return {-1, -t, s};
-        case 2:
-            return {s, 1, t};
-        case 3:
-            return {s, -1, -t};
-        case 4:
-            return {s, -t, 1};
-        default:
-            return {-s, -t, -1};
-    }
+    const std::array<glm::dvec3, 6> in_cube{
+        {{1, -t, -s}, {-1, -t, s}, {s, 1, t}, {s, -1, -t}, {s, -t, 1}, {-s, -t, -1}}};
+    const glm::dvec3 c = in_cube[size(face)];
+    return {c.z, -c.x, c.y};
 }
 
 glm::dvec3 central_direction(Centre centre, std::span<const double> gamma, const glm::dvec3& axis,

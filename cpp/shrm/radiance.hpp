@@ -25,8 +25,9 @@ struct ReflectionMapView {
     int maps() const { return zonal ? P + 1 : (P + 1) * (P + 1); }
 };
 
-// The direction of a point of a cube face, s and t in [-1, 1] to the right and downwards, in OpenGL's
-// orientation of the faces.
+// The direction of a point of a cube face, s and t in [-1, 1] to the right and downwards. Faces and their
+// orientation are OpenGL's, in the axes of the layout `strip`: +Z front (+x of the world), +X right (-y), +Y
+// up (+z).
 glm::dvec3 cube_direction(int face, double s, double t);
 
 // The central direction C of each pair of normal and view; with gamma(theta_v), uniform over [0, pi/2], about

@@ -11,7 +11,8 @@
 ``openexr-cube``
     (6n, n): OpenEXR's cube, texel centres on the edges.
 ``angular``, ``mirror-ball``
-    (n, n): Debevec's light probe, its centre looking to the front; the photograph of a mirrored ball.
+    (n, n): Debevec's light probe, its centre looking to the front; the same with the radii of a mirrored
+    ball. (Flip the photograph of a real ball left to right: it shows the world mirrored.)
 ``dual-paraboloid``
     (n, 2n): the half above and the half below.
 ``octahedral``

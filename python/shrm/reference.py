@@ -353,20 +353,10 @@ class AngularReflection:
 
 
 def _directions(layout: str, size: int) -> Array:
-    """Directions of a map's texel centres: (size, 2 size, 3), or (6, size, size, 3).
-
-    Faces of a cube in OpenGL's order +x -x +y -y +z -z and orientation, the first row at t = -1.
-    """
+    """Directions of a map's texel centres: (size, 2 size, 3), or (6, size, size, 3) as the layout `strip` has them."""
     if layout == "latlong":
-        theta = ((np.arange(size) + 0.5) * np.pi / size)[:, None]
-        phi = np.pi - (np.arange(2 * size) + 0.5) * np.pi / size
-        parts = np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta))
-        return np.stack(parts, axis=-1)
-    t, s = np.meshgrid(*2 * [(np.arange(size) + 0.5) * 2 / size - 1], indexing="ij")
-    one = np.ones_like(s)
-    faces = [(one, -t, -s), (-one, -t, s), (s, one, t), (s, -one, -t), (s, -t, one), (-s, -t, -one)]
-    d = np.array([np.stack(face, axis=-1) for face in faces])
-    return np.asarray(d / np.linalg.norm(d, axis=-1, keepdims=True))
+        return layouts.directions("latlong", size, 2 * size)
+    return layouts.directions("strip", 6 * size, size).reshape(6, size, size, 3)
 
 
 # ---- At the door
