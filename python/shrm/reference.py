@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-import shrm._core as _core
+from shrm import _core, layouts
 from shrm.lobe_integrals import (
     LobeIntegral,
     RadialIntegral,
@@ -353,7 +353,7 @@ class AngularReflection:
 
 
 def _directions(layout: str, size: int) -> Array:
-    """Directions of a map's texel centres: (size, 2 size, 3), or (6, size, size, 3) as the layout `strip` has them."""
+    """Directions of a map's texels: (size, 2 size, 3), or (6, size, size, 3) as the layout `strip` has them."""
     if layout == "latlong":
         return layouts.directions("latlong", size, 2 * size)
     return layouts.directions("strip", 6 * size, size).reshape(6, size, size, 3)
