@@ -133,13 +133,13 @@ def test_faces_of_a_cube_are_opengls():
     # Light in one direction; a sharp lobe's map is brightest where its face shows that direction.
     result = prefilter_angular(environment(np.ones((8, 16, 3))), material(phong(8)), layout="cube", size=5)
     assert result.at_view([0, 0, 1]).shape == (6, 5, 5, 3)
-    faces = [
-        (0, [1, 0, 0]),
-        (1, [-1, 0, 0]),
-        (2, [0, 1, 0]),
-        (3, [0, -1, 0]),
-        (4, [0, 0, 1]),
-        (5, [0, 0, -1]),
+    faces = [  # +X right, +Y up, +Z front in the world's axes
+        (0, [0, -1, 0]),
+        (1, [0, 1, 0]),
+        (2, [0, 0, 1]),
+        (3, [0, 0, -1]),
+        (4, [1, 0, 0]),
+        (5, [-1, 0, 0]),
     ]
     d = oracles.directions(64, 128)
     for face, axis in faces:

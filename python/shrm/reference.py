@@ -353,7 +353,7 @@ class AngularReflection:
 
 
 def _directions(layout: str, size: int) -> Array:
-    """Directions of a map's texels: (size, 2 size, 3), or (6, size, size, 3) as the layout `strip` has them."""
+    """Texel directions: (size, 2 size, 3), or (6, size, size, 3) as the layout `strip` has them."""
     if layout == "latlong":
         return layouts.directions("latlong", size, 2 * size)
     return layouts.directions("strip", 6 * size, size).reshape(6, size, size, 3)
