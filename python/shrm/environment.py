@@ -4,6 +4,7 @@ References
 ----------
 .. [RH01] R. Ramamoorthi, P. Hanrahan. An Efficient Representation for Irradiance Environment Maps.
    SIGGRAPH 2001.
+.. [RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations
@@ -148,6 +149,13 @@ class Environment:
             One of `shrm.layouts.LAYOUTS`.
         size : int, optional
             See `picture`.
+
+        Raises
+        ------
+        ImageError
+            The file cannot be written.
+        ValueError
+            layout is not a known name, or size is below 2.
         """
         path = Path(path)
         picture = self.picture(layout, size)
@@ -177,6 +185,11 @@ class Environment:
         -------
         (H', W', 3) float32; (6, n, n, 3) for ``faces``
             0 where the layout is empty.
+
+        Raises
+        ------
+        ValueError
+            layout is not a known name, or size is below 2.
         """
         height, width = self._pixels.shape[:2]
         if size is None:
@@ -198,7 +211,7 @@ class Environment:
         Raises
         ------
         ValueError
-            R is none.
+            R is not a rotation.
         """
         rotation = np.asarray(R, dtype=np.float64)
         if rotation.shape != (3, 3):
@@ -230,7 +243,12 @@ class Environment:
         Returns
         -------
         ((F+1)^2, 3) float64
-            In the real basis at index l (l + 1) + m.
+            In the real basis at index l (l + 1) + m; L_lm of [RH02] section 6.1.
+
+        Raises
+        ------
+        ValueError
+            F is negative.
         """
         if F < 0:
             raise ValueError(f"F must be at least 0, but is {F}")
@@ -253,6 +271,11 @@ class Environment:
         (n, 3) float32
             E(N) = sum over l <= 2 of A_l L_lm Y_lm(N) [RH01, eq. 8]; a diffuse surface reflects
             albedo / pi of it.
+
+        Raises
+        ------
+        ValueError
+            normals has another shape, or is not of unit vectors.
         """
         n = np.asarray(normals, dtype=np.float64)
         if n.ndim != 2 or n.shape[1] != 3:

@@ -106,7 +106,13 @@ def shape(layout: str, size: int) -> tuple[int, int]:
     ----------
     layout : str
     size : int
-        Rows of a lat-long picture, or the edge n of a cube's face, of a disc, or of the octahedron's square.
+        Rows of a lat-long picture, or the edge n of a cube's face, of a disc, or of the octahedron's square;
+        at least 2.
+
+    Raises
+    ------
+    ValueError
+        An unknown layout, or a size below 2.
     """
     check(layout)
     size = int(size)
