@@ -149,7 +149,8 @@ def test_faces_of_a_cube_are_opengls():
         )
         assert np.unravel_index(np.argmax(cube[..., 0]), cube.shape[:3]) == (face, 2, 2)
     # OpenGL's table: on face +x, s grows along -z and t along -y; on +z, s along x and t along -y.
-    toward = np.array([1, 0.4, -0.8]) / np.linalg.norm([1, 0.4, -0.8])
+    # In the world's axes (x, y, z) = (Z, -X, Y), so (1, .4, -.8) of the cube is this:
+    toward = np.array([-0.8, -1, 0.4]) / np.linalg.norm([1, 0.4, -0.8])
     cube = prefilter_angular(
         environment((d @ toward > 0.99)[..., None] * np.ones(3)), material(phong(64)), layout="cube", size=5
     ).at_view([0, 0, 1])

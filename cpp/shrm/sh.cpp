@@ -261,14 +261,15 @@ void synthesis(std::span<const double> coefficients, int channels, int F, int H,
 
 namespace {
 
-// Y_lm at N directions at once, then their product with the coefficients.
-//   basis ((F+1)^2, N) in the order of by_order with cos and sin apart: (m, l, cos | sin)
-template <class Real, int N>
-SHRM_CLONES void evaluate_block(const glm::dvec3* directions, int count, int F, int channels,
-                                const LegendreRecurrence& recurrence, const Real* ordered, Real* sums,
-                                Real* values) {
-    double x[N], sine[N], cos1[N], sin1[N], cosm[N], sinm[N];
-    for (int n = 0; n < N; ++n) {
+// Directions that are evaluated together, and channels: a block of sums that stays in registers.
+constexpr int block = 8;
+
+// The real basis at up to 8 directions, ((F+1)^2, 8).
+template <class Real>
+SHRM_CLONES void basis_block(const glm::dvec3* directions, int count, int F,
+                             const LegendreRecurrence& recurrence, Real* basis) {
+    double x[block], sine[block], cos1[block], sin1[block], cosm[block], sinm[block];
+    for (int n = 0; n < block; ++n) {
         const glm::dvec3 d = directions[std::min(n, count - 1)];
         sine[n] = std::sqrt(d.x * d.x + d.y * d.y);
         x[n] = d.z;
@@ -277,33 +278,47 @@ SHRM_CLONES void evaluate_block(const glm::dvec3* directions, int count, int F, 
         cosm[n] = 1;
         sinm[n] = 0;
     }
-    std::fill_n(sums, N * channels, Real(0));
     for (int m = 0; m <= F; ++m) {
-        double f[N], previous[N] = {};
-        for (int n = 0; n < N; ++n) f[n] = recurrence.start(m) * power(sine[n], m);
-        for (int l = m; l <= F; ++l, ordered += 2 * channels) {
-            for (int n = 0; n < N; ++n) {
-                const Real c = static_cast<Real>(f[n] * cosm[n]), s = static_cast<Real>(f[n] * sinm[n]);
-                Real* sum = sums + n * channels;
-                if (m == 0)
-                    for (int z = 0; z < channels; ++z) sum[z] += c * ordered[z];
-                else
-                    for (int z = 0; z < channels; ++z) sum[z] += c * ordered[z] + s * ordered[channels + z];
-            }
+        double f[block], previous[block] = {};
+        for (int n = 0; n < block; ++n) f[n] = real_norm(m) * recurrence.start(m) * power(sine[n], m);
+        for (int l = m; l <= F; ++l) {
+            Real* cosines = basis + lm(l, m) * block;
+            Real* sines = basis + lm(l, -m) * block;
+            for (int n = 0; n < block; ++n) sines[n] = static_cast<Real>(f[n] * sinm[n]);
+            for (int n = 0; n < block; ++n) cosines[n] = static_cast<Real>(f[n] * cosm[n]);  // m = 0: last
             const auto [a, b] = recurrence.steps(m)[l - m];
-            for (int n = 0; n < N; ++n) {
+            for (int n = 0; n < block; ++n) {
                 const double next = a * x[n] * f[n] - b * previous[n];
                 previous[n] = f[n];
                 f[n] = next;
             }
         }
-        for (int n = 0; n < N; ++n) {
+        for (int n = 0; n < block; ++n) {
             const double next = cosm[n] * cos1[n] - sinm[n] * sin1[n];
             sinm[n] = sinm[n] * cos1[n] + cosm[n] * sin1[n];
             cosm[n] = next;
         }
     }
-    std::copy_n(sums, count * channels, values);
+}
+
+// values(n, c) = sum over k of basis(k, n) coefficients(k, c), coefficients ((F+1)^2, channels rounded up to
+// 8).
+template <class Real>
+SHRM_CLONES void basis_product(const Real* basis, const Real* coefficients, std::size_t terms, int channels,
+                               int count, Real* values) {
+    typedef Real pack __attribute__((vector_size(block * sizeof(Real))));
+    typedef Real packu __attribute__((vector_size(block * sizeof(Real)), aligned(sizeof(Real))));
+    const std::size_t stride = size(round_up(channels, block));
+    for (int c0 = 0; c0 < channels; c0 += block) {
+        pack sums[block] = {};
+        for (std::size_t k = 0; k < terms; ++k) {
+            const pack c = *reinterpret_cast<const packu*>(coefficients + k * stride + c0);
+            for (int n = 0; n < block; ++n) sums[n] += basis[k * block + size(n)] * c;
+        }
+        for (int n = 0; n < count; ++n)
+            for (int c = c0; c < std::min(c0 + block, channels); ++c)
+                values[size(n) * size(channels) + size(c)] = sums[n][c - c0];
+    }
 }
 
 }  // namespace
@@ -311,25 +326,23 @@ SHRM_CLONES void evaluate_block(const glm::dvec3* directions, int count, int F, 
 template <class Real>
 void evaluate(std::span<const double> coefficients, int channels, int F,
               std::span<const glm::dvec3> directions, std::span<Real> values) {
-    constexpr int N = 8;
     const LegendreRecurrence recurrence(F);
-    std::vector<Real> ordered;
-    ordered.reserve(basis_size(F) * size(2 * channels));
-    for (int m = 0; m <= F; ++m)
-        for (int l = m; l <= F; ++l)
-            for (int sign : {1, -1})
-                for (int c = 0; c < channels; ++c)
-                    ordered.push_back(static_cast<Real>(
-                        real_norm(m) * coefficients[lm(l, sign * m) * size(channels) + size(c)]));
+    const std::size_t terms = basis_size(F), stride = size(round_up(channels, block));
+    std::vector<Real> padded(terms * stride, Real(0));
+    for (std::size_t k = 0; k < terms; ++k)
+        for (std::size_t c = 0; c < size(channels); ++c)
+            padded[k * stride + c] = static_cast<Real>(coefficients[k * size(channels) + c]);
     const auto n = static_cast<std::ptrdiff_t>(directions.size());
 #pragma omp parallel
     {
-        std::vector<Real> sums(size(N * channels));
+        std::vector<Real> basis(terms * block);
 #pragma omp for schedule(static)
-        for (std::ptrdiff_t i = 0; i < n; i += N)
-            evaluate_block<Real, N>(directions.data() + i,
-                                    static_cast<int>(std::min<std::ptrdiff_t>(N, n - i)), F, channels,
-                                    recurrence, ordered.data(), sums.data(), values.data() + i * channels);
+        for (std::ptrdiff_t i = 0; i < n; i += block) {
+            const int count = static_cast<int>(std::min<std::ptrdiff_t>(block, n - i));
+            basis_block<Real>(directions.data() + i, count, F, recurrence, basis.data());
+            basis_product<Real>(basis.data(), padded.data(), terms, channels, count,
+                                values.data() + i * channels);
+        }
     }
 }
 
