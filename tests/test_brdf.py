@@ -467,7 +467,7 @@ def test_float32_and_empty_directions_are_taken():
         (lambda: brdf.Beckmann(0), ValueError, "Beckmann: alpha"),
         (lambda: brdf.Beckmann(0.5, (0, 0, 2)), ValueError, "Beckmann: f0"),
         (lambda: brdf.KajiyaKay(-1), ValueError, "KajiyaKay: exponent"),
-        (lambda: brdf.KajiyaKay(1, "hair"), ValueError, "cone must be 'paper' or 'mirror', got 'hair'"),
+        (lambda: brdf.KajiyaKay(1, "hair"), ValueError, "cone must be one of paper, mirror, got 'hair'"),
         (lambda: brdf.Banks(1), ValueError, "Banks: sharpness"),
         (lambda: brdf.Banks(-0.1), ValueError, "Banks: sharpness"),
         (lambda: brdf.Lafortune([-1], [-0.5], [1], [5]), ValueError, "absolute azimuth"),

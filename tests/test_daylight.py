@@ -94,16 +94,16 @@ def test_every_setting_gives_a_valid_picture() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"sun_elevation": -1}, "sun_elevation must be a number from 0 to 90, but is -1"),
+        ({"sun_elevation": -1}, r"sun_elevation must be in \[0, 90\], got -1"),
         ({"sun_elevation": math.nan}, "sun_elevation must"),
         ({"sun_azimuth": math.inf}, "sun_azimuth must"),
-        ({"turbidity": 1}, "turbidity must be a number from 1.8 to 10"),
+        ({"turbidity": 1}, r"turbidity must be in \[1.8, 10\]"),
         ({"albedo": 1.5}, "albedo must be"),
         ({"albedo": (0.1, 0.2)}, "albedo must be"),
         ({"size": 3}, "size must be even"),
-        ({"size": 0}, "size must be even"),
+        ({"size": 0}, "size must be at least 2"),
     ],
 )
 def test_refuses(arguments: dict[str, object], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises((ValueError, TypeError), match=message):
         Environment.daylight(**arguments)  # type: ignore[arg-type]

@@ -253,8 +253,10 @@ def test_resized() -> None:
     for H, W in ((16, 32), (20, 50), (64, 128), (2, 4)):
         assert env.resized(H, W).pixels.shape == (H, W, 3)
         assert integral(env.resized(H, W).pixels) == pytest.approx(integral(env.pixels), rel=1e-5)
-    with pytest.raises(ValueError, match="H must be at least 2 and W at least 4"):
-        env.resized(1, 1)
+    with pytest.raises(ValueError, match="H must be at least 2, got 1"):
+        env.resized(1, 4)
+    with pytest.raises(ValueError, match="W must be at least 4, got 3"):
+        env.resized(2, 3)
 
 
 def test_black_is_valid() -> None:

@@ -316,7 +316,7 @@ def test_aspects(size: tuple[int, int], layout: str) -> None:
 def test_unknown_aspect_and_names_are_refused() -> None:
     with pytest.raises(ValueError, match=r"640 x 480.*|1023 x 511.*latlong, .*octahedral"):
         layouts.recognise(511, 1023)
-    with pytest.raises(ValueError, match=r"layout must be one of latlong.*but is 'sphere'"):
+    with pytest.raises(ValueError, match=r"layout must be one of latlong.*got 'sphere'"):
         layouts.shape("sphere", 4)
     with pytest.raises(ValueError, match="size must be at least 2"):
         layouts.shape("angular", 1)

@@ -184,7 +184,7 @@ def test_the_lobe_centre_needs_fewer_orders_than_the_reflection():
         ({"tolerance": 1.5}, "tolerance must be"),
         ({"tolerance": float("nan")}, "tolerance must be"),
         ({"criterion": "best"}, "criterion must be one of light, brdf, minimum, bound"),
-        ({"F_max": -1}, "F_max must be between 0 and 1000, not -1"),
+        ({"F_max": -1}, r"F_max must be in \[0, 1000\], got -1"),
         ({"P_max": 2.5}, "P_max must be a whole number"),
         ({"brdf": "ggx"}, r"brdf must be a material of shrm\.brdf, got str"),
         ({"env": "grace.hdr"}, "env must be an Environment, got str"),

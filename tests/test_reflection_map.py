@@ -374,15 +374,18 @@ def test_the_three_dimensional_texture_is_the_local_form_without_azimuth(layout)
     ("call", "text"),
     [
         (lambda rm: rm.radiance([[0, 0, 2.0]], [0, 0, 1.0]), "normals must be unit vectors"),
-        (lambda rm: rm.radiance([[0, 0, 1.0]], [[0, 0, 1.0], [0, 0, 1.0]]), r"views has the shape \(2, 3\)"),
+        (
+            lambda rm: rm.radiance([[0, 0, 1.0]], [[0, 0, 1.0], [0, 0, 1.0]]),
+            r"views must have the shape .*, got \(2, 3\)",
+        ),
         (lambda rm: rm.radiance([[0, 0, 1.0]], [0, 0, np.nan]), "views must be finite"),
         (
             lambda rm: rm.radiance([[0, 0, 1.0]], [0, 0, 1.0], interpolation="nearest"),
             "interpolation must be one of",
         ),
-        (lambda rm: rm.at_view([[1.0, 0], [0, 1]]), "view has the shape"),
+        (lambda rm: rm.at_view([[1.0, 0], [0, 1]]), "view must have the shape"),
         (lambda rm: rm.at_view("up"), "view must be an array of real numbers"),
-        (lambda rm: three_dimensional_texture(rm, 0), "T must be between 1 and 4096"),
+        (lambda rm: three_dimensional_texture(rm, 0), r"T must be in \[1, 4096\]"),
     ],
 )
 def test_bad_look_ups_are_named(call, text):
@@ -394,12 +397,12 @@ def test_bad_look_ups_are_named(call, text):
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        ({"orders": (-1, 2)}, "F must be between 0 and 1000, not -1"),
-        ({"orders": (4, 99)}, "P must be between 0 and 24, not 99"),
+        ({"orders": (-1, 2)}, r"F must be in \[0, 1000\], got -1"),
+        ({"orders": (4, 99)}, r"P must be in \[0, 24\], got 99"),
         ({"orders": 4}, r"orders must be a pair \(F, P\)"),
         ({"orders": (4.5, 1)}, "F must be a whole number"),
         ({"size": 7}, "size must be even, got 7"),
-        ({"size": 1}, "size must be between 2 and 8192"),
+        ({"size": 1}, r"size must be in \[2, 8192\]"),
         ({"layout": "sphere"}, "layout must be one of latlong, cube"),
         ({"window": "box"}, "window must be one of hann, lanczos"),
         ({"tolerance": -1}, "tolerance must be"),

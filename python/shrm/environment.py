@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 import shrm._core as _core
 from shrm import daylight, image_io, layouts
+from shrm.validation import number, number_or_rgb, rotation, unit_vectors, whole_number
 
 __all__ = ["Environment"]
 
@@ -210,27 +211,17 @@ class Environment:
 
         Raises
         ------
-        ValueError
+        TypeError, ValueError
             R is not a rotation.
         """
-        rotation = np.asarray(R, dtype=np.float64)
-        if rotation.shape != (3, 3):
-            raise ValueError(f"R must have shape (3, 3), but has {rotation.shape}")
-        if (
-            not np.allclose(rotation.T @ rotation, np.eye(3), rtol=0, atol=1e-6)
-            or np.linalg.det(rotation) < 0
-        ):
-            raise ValueError(
-                "R must be a rotation: its transpose times itself must be 1, and its determinant 1"
-            )
+        turn = rotation("R", R)
         shape = (self._pixels.shape[0], self._pixels.shape[1])
-        return Environment(layouts.convert(self._pixels, "latlong", "latlong", shape, rotation))
+        return Environment(layouts.convert(self._pixels, "latlong", "latlong", shape, turn))
 
     def resized(self, H: int, W: int) -> Environment:
         """Return the environment as H x W texels, H >= 2 and W >= 4, area-exactly."""
-        if H < 2 or W < 4:
-            raise ValueError(f"H must be at least 2 and W at least 4, but they are {H} and {W}")
-        return Environment(layouts.convert(self._pixels, "latlong", "latlong", (int(H), int(W))))
+        shape = (whole_number("H", H, 2), whole_number("W", W, 4))
+        return Environment(layouts.convert(self._pixels, "latlong", "latlong", shape))
 
     def coefficients(self, F: int) -> npt.NDArray[np.float64]:
         """Return the spherical harmonic coefficients of the radiance, texels taken as areas.
@@ -250,9 +241,7 @@ class Environment:
         ValueError
             F is negative.
         """
-        if F < 0:
-            raise ValueError(f"F must be at least 0, but is {F}")
-        count = (int(F) + 1) ** 2
+        count = (whole_number("F", F, 0) + 1) ** 2
         if self._coefficients is None or len(self._coefficients) < count:
             self._coefficients = _core.analysis(pixels=self._pixels, F=int(F), areas=True)
         result: npt.NDArray[np.float64] = self._coefficients[:count].copy()
@@ -264,7 +253,7 @@ class Environment:
         Parameters
         ----------
         normals : (n, 3) array
-            Unit vectors, to 1e-3.
+            Unit vectors, to 1e-4.
 
         Returns
         -------
@@ -277,11 +266,7 @@ class Environment:
         ValueError
             normals has another shape, or is not of unit vectors.
         """
-        n = np.asarray(normals, dtype=np.float64)
-        if n.ndim != 2 or n.shape[1] != 3:
-            raise ValueError(f"normals must have shape (n, 3), but have {n.shape}")
-        if not np.allclose(np.einsum("ij,ij->i", n, n), 1.0, rtol=0, atol=2e-3):
-            raise ValueError("normals must be unit vectors")
+        n = unit_vectors("normals", normals)
         A = np.array([math.pi] + 3 * [2 * math.pi / 3] + 5 * [math.pi / 4])  # [RH01] eq. 9
         result: npt.NDArray[np.float32] = ((_basis(n) * A) @ self.coefficients(2)).astype(np.float32)
         return result
@@ -315,24 +300,16 @@ class Environment:
 
         Raises
         ------
-        ValueError
+        TypeError, ValueError
             A parameter is out of its range.
         """
-        for name, value, low, high in (
-            ("sun_elevation", sun_elevation, 0.0, 90.0),
-            ("sun_azimuth", sun_azimuth, -math.inf, math.inf),
-            ("turbidity", turbidity, 1.8, 10.0),
-        ):
-            if not math.isfinite(value) or not low <= value <= high:
-                raise ValueError(f"{name} must be a number from {low:g} to {high:g}, but is {value!r}")
-        ground = np.asarray(albedo, dtype=np.float64)
-        if ground.shape not in ((), (3,)) or not np.all((ground >= 0) & (ground <= 1)):
-            raise ValueError(f"albedo must be one or three numbers from 0 to 1, but is {albedo!r}")
-        if size < 2 or size % 2:
-            raise ValueError(f"size must be even and at least 2, but is {size}")
-        return cls(
-            daylight.daylight_pixels(sun_elevation, sun_azimuth, turbidity, np.broadcast_to(ground, 3), size)
-        )
+        number("sun_elevation", sun_elevation, 0.0, 90.0)
+        number("sun_azimuth", sun_azimuth)
+        number("turbidity", turbidity, 1.8, 10.0)
+        ground = np.broadcast_to(number_or_rgb("albedo", albedo, 0.0, 1.0), 3)
+        if whole_number("size", size, 2) % 2:
+            raise ValueError(f"size must be even, got {size}")
+        return cls(daylight.daylight_pixels(sun_elevation, sun_azimuth, turbidity, ground, size))
 
 
 def _basis(n: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

@@ -159,7 +159,7 @@ def fit(
         or pixels.shape[2] != 2 * pixels.shape[1]
         or pixels.shape[3] != 3
     ):
-        raise ValueError(f"maps has the shape {pixels.shape}, but needs ({len(V)}, H, 2 H, 3)")
+        raise ValueError(f"maps must have the shape ({len(V)}, H, 2 H, 3), got {pixels.shape}")
     if pixels.shape[1] % 2:
         raise ValueError(f"maps needs an even number of rows, got {pixels.shape[1]}")
     Y = sh.evaluate(np.eye((P + 1) ** 2), V)

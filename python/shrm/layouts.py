@@ -29,6 +29,7 @@ import numpy as np
 import numpy.typing as npt
 
 import shrm._core as _core
+from shrm.validation import one_of, whole_number
 
 __all__ = [
     "LAYOUTS",
@@ -62,9 +63,7 @@ _CUBES = ("vertical-cross", "horizontal-cross", "strip", "faces", "openexr-cube"
 
 def check(layout: str) -> str:
     """Return the name of a layout, or raise a ValueError that lists them."""
-    if layout not in LAYOUTS:
-        raise ValueError(f"layout must be one of {', '.join(LAYOUTS)}, but is {layout!r}")
-    return layout
+    return one_of("layout", layout, LAYOUTS)
 
 
 def _core_name(layout: str) -> str:
@@ -115,9 +114,7 @@ def shape(layout: str, size: int) -> tuple[int, int]:
         An unknown layout, or a size below 2.
     """
     check(layout)
-    size = int(size)
-    if size < 2:
-        raise ValueError(f"size must be at least 2, but is {size}")
+    size = whole_number("size", size, 2)
     shapes = {
         "latlong": (size, 2 * size),
         "openexr-latlong": (size, 2 * size),

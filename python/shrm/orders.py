@@ -241,7 +241,7 @@ def require_orders(F: int, P: int, names: tuple[str, str] = ("F", "P")) -> None:
 def require_tolerance(tolerance: float) -> float:
     """Return an error that can be asked for: a number above 0 and below 1."""
     if fraction("tolerance", tolerance) == 0:
-        raise ValueError(f"tolerance must be above 0 and below 1, not {tolerance!r}")
+        raise ValueError(f"tolerance must be above 0 and below 1, got {tolerance!r}")
     return float(tolerance)
 
 

@@ -365,10 +365,10 @@ def _directions(layout: str, size: int) -> Array:
 
 def _pixels(env: Environment) -> npt.NDArray[np.float32]:
     if not hasattr(env, "pixels"):
-        raise TypeError(f"env must be an Environment, not {type(env).__name__}")
+        raise TypeError(f"env must be an Environment, got {type(env).__name__}")
     pixels = real_array("env.pixels", env.pixels)
     if pixels.ndim != 3 or pixels.shape[2] != 3 or 0 in pixels.shape:
-        raise ValueError(f"env.pixels has the shape {pixels.shape}, but needs (H, W, 3)")
+        raise ValueError(f"env.pixels must have the shape (H, W, 3), got {pixels.shape}")
     return np.ascontiguousarray(pixels, dtype=np.float32)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
-from shrm.validation import real_array, unit_vectors, whole_number
+from shrm.validation import real_array, rotation, unit_vectors, whole_number
 
 __all__ = ["MAX_DEGREE", "analysis", "basis_size", "degree_of", "evaluate", "rotate", "synthesis"]
 
@@ -124,7 +124,7 @@ def rotate(coefficients: npt.ArrayLike, R: npt.ArrayLike) -> FloatArray:
     TypeError, ValueError
         If coefficients has another shape, or R is no rotation.
     """
-    return _core.rotate(coefficients=_coefficients(coefficients), R=require_rotation(R))
+    return _core.rotate(coefficients=_coefficients(coefficients), R=rotation("R", R))
 
 
 def basis_size(F: int) -> int:
@@ -138,16 +138,6 @@ def degree_of(coefficients: npt.NDArray[np.generic]) -> int:
     if F < 0 or basis_size(F) != len(coefficients):
         raise ValueError(f"coefficients must have (F+1)^2 rows, got {len(coefficients)}")
     return F
-
-
-def require_rotation(R: npt.ArrayLike) -> FloatArray:
-    """Return R as a (3, 3) float64 array, or raise ValueError unless it is a rotation."""
-    matrix = np.ascontiguousarray(real_array("R", R))
-    if matrix.shape != (3, 3):
-        raise ValueError(f"R must have the shape (3, 3), got {matrix.shape}")
-    if not np.allclose(matrix @ matrix.T, np.eye(3), rtol=0, atol=1e-6) or np.linalg.det(matrix) < 0:
-        raise ValueError("R must be a rotation: orthogonal, with determinant 1")
-    return matrix
 
 
 def _picture(pixels: npt.ArrayLike) -> npt.NDArray[np.float32]:

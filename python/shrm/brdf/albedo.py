@@ -26,8 +26,8 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from shrm.brdf import parameters
 from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
+from shrm.validation import real_array
 
 # Panels halve this often: the smallest, pi / 2^22, is below the narrowest lobe allowed.
 _HALVINGS = 22
@@ -56,7 +56,7 @@ def directional_albedo(brdf: BRDF, cos_theta_v: npt.ArrayLike) -> FloatArray:
     """
     if not isinstance(brdf, BRDF):
         raise TypeError(f"brdf must be a material, got {brdf!r}")
-    cosines = parameters.array("directional_albedo", "cos_theta_v", cos_theta_v)
+    cosines = real_array("cos_theta_v", cos_theta_v)
     lowest = 0.0 if brdf.frame == "normal" else -1.0
     if cosines.ndim != 1 or np.any((cosines < lowest) | (cosines > 1.0)):
         raise ValueError(

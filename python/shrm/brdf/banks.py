@@ -20,6 +20,7 @@ import numpy as np
 
 from shrm.brdf import parameters
 from shrm.brdf.lobe import BRDF, FloatArray, ZonalLobe
+from shrm.validation import number
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,7 @@ class Banks(BRDF):
 
     def __post_init__(self) -> None:
         highest = 1.0 - parameters.NARROWEST
-        object.__setattr__(
-            self, "sharpness", parameters.number("Banks", "sharpness", self.sharpness, 0.0, highest)
-        )
+        object.__setattr__(self, "sharpness", number("Banks: sharpness", self.sharpness, 0.0, highest))
 
     @property
     def lobes(self) -> tuple[ZonalLobe]:

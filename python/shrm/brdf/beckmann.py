@@ -23,7 +23,7 @@ import numpy as np
 from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon, half_vector, schlick
 from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe
-from shrm.brdf.parameters import RGB
+from shrm.validation import RGB, number, number_or_rgb
 
 
 @dataclass(frozen=True)
@@ -43,10 +43,8 @@ class Beckmann(BRDF):
     f0: float | RGB = 1.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(
-            self, "alpha", parameters.number("Beckmann", "alpha", self.alpha, parameters.NARROWEST, 1.0)
-        )
-        object.__setattr__(self, "f0", parameters.number_or_rgb("Beckmann", "f0", self.f0, 0.0, 1.0))
+        object.__setattr__(self, "alpha", number("Beckmann: alpha", self.alpha, parameters.NARROWEST, 1.0))
+        object.__setattr__(self, "f0", number_or_rgb("Beckmann: f0", self.f0, 0.0, 1.0))
 
     @property
     def lobes(self) -> tuple[IsotropicLobe]:

@@ -22,6 +22,7 @@ import numpy as np
 
 from shrm.brdf.half_vector import above_horizon
 from shrm.brdf.lobe import BRDF, Center, FloatArray, IsotropicLobe, Lobe, Material, ZonalLobe
+from shrm.validation import one_of
 
 Function = Callable[[FloatArray, FloatArray], FloatArray]
 
@@ -51,8 +52,7 @@ def from_function(f: Function, center: Center = "lobe", name: str | None = None)
     """
     if not callable(f):
         raise TypeError(f"f must be a function of wi and wo, got {f!r}")
-    if center not in get_args(Center):
-        raise ValueError(f"center must be one of {', '.join(get_args(Center))}, got {center!r}")
+    one_of("center", center, get_args(Center))
     title = name if name is not None else getattr(f, "__name__", "function")
     rng = np.random.default_rng(20020721)
     channels = _channels(f, title)

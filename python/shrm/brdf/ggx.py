@@ -22,7 +22,7 @@ import numpy as np
 from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon, half_vector, schlick
 from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe
-from shrm.brdf.parameters import RGB
+from shrm.validation import RGB, number, number_or_rgb
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,8 @@ class GGX(BRDF):
     f0: float | RGB = 1.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(
-            self, "alpha", parameters.number("GGX", "alpha", self.alpha, parameters.NARROWEST, 1.0)
-        )
-        object.__setattr__(self, "f0", parameters.number_or_rgb("GGX", "f0", self.f0, 0.0, 1.0))
+        object.__setattr__(self, "alpha", number("GGX: alpha", self.alpha, parameters.NARROWEST, 1.0))
+        object.__setattr__(self, "f0", number_or_rgb("GGX: f0", self.f0, 0.0, 1.0))
 
     @property
     def lobes(self) -> tuple[IsotropicLobe]:

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.brdf.lobe import FloatArray
-from shrm.brdf.parameters import RGB
+from shrm.validation import RGB
 
 
 class HalfVector(NamedTuple):

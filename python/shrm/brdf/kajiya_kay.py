@@ -23,6 +23,7 @@ import numpy as np
 
 from shrm.brdf import parameters
 from shrm.brdf.lobe import BRDF, FloatArray, ZonalLobe
+from shrm.validation import number, one_of
 
 
 @dataclass(frozen=True)
@@ -41,9 +42,8 @@ class KajiyaKay(BRDF):
     cone: Literal["paper", "mirror"] = "paper"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "exponent", parameters.number("KajiyaKay", "exponent", self.exponent, 0.0))
-        if self.cone not in ("paper", "mirror"):
-            raise ValueError(f"KajiyaKay: cone must be 'paper' or 'mirror', got {self.cone!r}")
+        object.__setattr__(self, "exponent", number("KajiyaKay: exponent", self.exponent, 0.0))
+        one_of("KajiyaKay: cone", self.cone, ("paper", "mirror"))
 
     @property
     def lobes(self) -> tuple[ZonalLobe]:

@@ -31,11 +31,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon
 from shrm.brdf.lambert import Lambert
 from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe, Lobe
-from shrm.brdf.parameters import RGB
+from shrm.validation import RGB, number_or_rgb, real_array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,7 +67,8 @@ class Lafortune(BRDF):
 
     def __post_init__(self) -> None:
         arrays = {
-            key: parameters.array("Lafortune", key, getattr(self, key)) for key in ("x", "y", "z", "exponent")
+            key: real_array(f"Lafortune: {key}", getattr(self, key)).copy()
+            for key in ("x", "y", "z", "exponent")
         }
         shapes = {value.shape for value in arrays.values()}
         shape = shapes.pop()
@@ -92,7 +92,7 @@ class Lafortune(BRDF):
         for key, value in arrays.items():
             value.setflags(write=False)
             object.__setattr__(self, key, value)
-        diffuse = parameters.number_or_rgb("Lafortune", "diffuse", self.diffuse, 0.0, 1.0)
+        diffuse = number_or_rgb("Lafortune: diffuse", self.diffuse, 0.0, 1.0)
         object.__setattr__(self, "diffuse", diffuse)
 
     @classmethod

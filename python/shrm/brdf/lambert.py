@@ -13,7 +13,7 @@ import numpy as np
 
 from shrm.brdf import parameters
 from shrm.brdf.lobe import BRDF, FloatArray, RadialLobe
-from shrm.brdf.parameters import RGB
+from shrm.validation import RGB, number_or_rgb
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,7 @@ class Lambert(BRDF):
     albedo: float | RGB
 
     def __post_init__(self) -> None:
-        object.__setattr__(
-            self, "albedo", parameters.number_or_rgb("Lambert", "albedo", self.albedo, 0.0, 1.0)
-        )
+        object.__setattr__(self, "albedo", number_or_rgb("Lambert: albedo", self.albedo, 0.0, 1.0))
 
     @property
     def lobes(self) -> tuple[RadialLobe]:

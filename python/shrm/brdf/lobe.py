@@ -36,7 +36,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.brdf import parameters
-from shrm.brdf.parameters import RGB
+from shrm.validation import RGB, number_or_rgb, one_of, unit_vectors
 
 FloatArray = npt.NDArray[np.float64]
 Center = Literal["lobe", "reflection", "normal", "tangent"]
@@ -266,8 +266,7 @@ class BRDF(ABC):
         ValueError
             If no such material exists; the text says why.
         """
-        if center not in get_args(Center):
-            raise ValueError(f"center must be one of {', '.join(get_args(Center))}, got {center!r}")
+        one_of("center", center, get_args(Center))
         wanted = "tangent" if center == "tangent" else "normal"
         if any(lobe.frame != wanted for lobe in self.lobes):
             raise ValueError(
@@ -298,7 +297,7 @@ class BRDF(ABC):
     def __mul__(self, factor: object) -> BRDF:
         if isinstance(factor, BRDF):
             return NotImplemented
-        weight = parameters.number_or_rgb(self.name, "factor", factor, 0.0)
+        weight = number_or_rgb(f"{self.name}: factor", factor, 0.0)
         terms = (f"{parameters.text(weight)}*{term}" for term in self.name.split(" + "))
         return Material(tuple(lobe.scaled(weight) for lobe in self.lobes), " + ".join(terms))
 
@@ -340,37 +339,11 @@ class Material(BRDF):
         return self._name
 
 
-def unit_vectors(name: str, value: npt.ArrayLike) -> FloatArray:
-    """Return `value` as an (n, 3) float64 array of unit vectors.
-
-    Float32 vectors pass: lengths may differ from 1 by 1e-5.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is none, naming the argument, what it was and what it must be.
-    """
-    vectors = parameters.array("transfer", name, value)
-    if vectors.ndim != 2 or vectors.shape[1] != 3:
-        raise ValueError(f"{name} must have the shape (n, 3), got {vectors.shape}")
-    lengths = np.sqrt(np.einsum("nc,nc->n", vectors, vectors))
-    bad = np.flatnonzero(np.abs(lengths - 1.0) > 1e-5)
-    if len(bad):
-        raise ValueError(
-            f"{name} must be unit vectors, got {len(bad)} that are not, "
-            f"the first at {bad[0]} of length {lengths[bad[0]]:g}"
-        )
-    return vectors
-
-
 _CENTER_TEXT = {"lobe": "lobe centre", "reflection": "reflection", "normal": "normal", "tangent": "tangent"}
 
 
 def _require_center(lobe: Lobe, *centers: Center) -> None:
-    if lobe.center not in centers:
-        raise ValueError(
-            f"{type(lobe).__name__}: center must be one of {', '.join(centers)}, got {lobe.center!r}"
-        )
+    one_of(f"{type(lobe).__name__}: center", lobe.center, centers)
 
 
 def _times(values: FloatArray, factor: float | RGB) -> FloatArray:

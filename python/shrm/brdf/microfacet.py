@@ -19,6 +19,7 @@ import numpy as np
 from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon, half_vector
 from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe
+from shrm.validation import number
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,7 @@ class Microfacet(BRDF):
     sigma: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(
-            self, "sigma", parameters.number("Microfacet", "sigma", self.sigma, parameters.NARROWEST)
-        )
+        object.__setattr__(self, "sigma", number("Microfacet: sigma", self.sigma, parameters.NARROWEST))
 
     @property
     def lobes(self) -> tuple[IsotropicLobe]:

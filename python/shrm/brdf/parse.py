@@ -28,8 +28,8 @@ from shrm.brdf.lafortune import Lafortune
 from shrm.brdf.lambert import Lambert
 from shrm.brdf.lobe import BRDF
 from shrm.brdf.microfacet import Microfacet
-from shrm.brdf.parameters import RGB
 from shrm.brdf.phong import Phong
+from shrm.validation import RGB
 
 MODELS: Mapping[str, type[BRDF]] = {
     "lambert": Lambert,

@@ -17,6 +17,7 @@ import numpy as np
 
 from shrm.brdf import parameters
 from shrm.brdf.lobe import BRDF, FloatArray, RadialLobe
+from shrm.validation import number
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Phong(BRDF):
     exponent: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "exponent", parameters.number("Phong", "exponent", self.exponent, 0.0))
+        object.__setattr__(self, "exponent", number("Phong: exponent", self.exponent, 0.0))
 
     @property
     def lobes(self) -> tuple[RadialLobe]:

@@ -24,9 +24,9 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon
 from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe
+from shrm.validation import one_of, real_array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,7 +50,7 @@ class Tabulated(BRDF):
     axes: Literal["angles", "half-angle"] = "angles"
 
     def __post_init__(self) -> None:
-        values = parameters.array("Tabulated", "values", self.values)
+        values = real_array("Tabulated: values", self.values).copy()
         if values.ndim not in (3, 4) or min(values.shape[:3]) < 2 or values.shape[3:] not in ((), (3,)):
             raise ValueError(
                 "Tabulated: values must have the shape (n1, n2, n3) or (n1, n2, n3, 3), n >= 2, "
@@ -58,8 +58,7 @@ class Tabulated(BRDF):
             )
         if values.min() < 0.0:
             raise ValueError(f"Tabulated: values must be at least 0, got {values.min():g}")
-        if self.axes not in ("angles", "half-angle"):
-            raise ValueError(f"Tabulated: axes must be 'angles' or 'half-angle', got {self.axes!r}")
+        one_of("Tabulated: axes", self.axes, ("angles", "half-angle"))
         values.setflags(write=False)
         object.__setattr__(self, "values", values)
 

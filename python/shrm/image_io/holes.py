@@ -1,0 +1,38 @@
+"""Texels that are NaN or infinite: refused, or repaired from their neighbours."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.image_io.image import ImageError, PathLike, Pixels, warn
+
+
+def finite(path: PathLike, pixels: Pixels, repair: bool) -> Pixels:
+    """Refuse, or repair with a warning, texels that are NaN or infinite."""
+    bad: npt.NDArray[np.bool_] = np.logical_not(np.isfinite(pixels).all(axis=2))
+    count = int(np.count_nonzero(bad))
+    if not count:
+        return pixels
+    row, column = np.argwhere(bad)[0]
+    what = f"{count} texels are NaN or infinite, the first at row {row}, column {column}"
+    if not repair:
+        raise ImageError(f"{path}: {what}; repair=True replaces them by their neighbours")
+    if count == bad.size:
+        raise ImageError(f"{path}: all texels are NaN or infinite")
+    pixels = np.where(bad[:, :, None], np.float32(0), pixels)
+    while bad.any():  # from the rim of each hole inwards
+        total = np.zeros(pixels.shape, dtype=np.float64)
+        known = np.zeros(bad.shape, dtype=np.int64)
+        padded = np.pad(pixels, ((1, 1), (1, 1), (0, 0)))
+        valid = np.pad(~bad, 1)
+        for i in range(3):
+            for j in range(3):
+                window = np.s_[i : i + bad.shape[0], j : j + bad.shape[1]]
+                total += padded[window]
+                known += valid[window]
+        now = bad & (known > 0)
+        pixels[now] = (total[now] / known[now, None]).astype(np.float32)
+        bad &= ~now
+    warn(path, f"{what}; replaced by the mean of their neighbours")
+    return pixels

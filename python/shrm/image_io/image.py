@@ -1,0 +1,72 @@
+"""What is read and written, and how faults and changes are said."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+PathLike = str | os.PathLike[str]
+Metadata = Mapping[str, str | int | float | Sequence[float]]
+Pixels = npt.NDArray[np.float32]
+
+DEFAULT_MAX_BYTES = 2 << 30
+
+
+class ImageError(ValueError):
+    """A picture cannot be read or written; the text names the file and the fault in one line."""
+
+
+class ImageWarning(UserWarning):
+    """A picture was changed while it was read or written, as the text says."""
+
+
+@dataclass(frozen=True)
+class Image:
+    """A picture as read.
+
+    Attributes
+    ----------
+    pixels : (H, W, 3) float32
+        Linear Rec. 709, top row first.
+    metadata : dict
+        The file's attributes.
+    layout : str or None
+        ``"openexr-latlong"`` or ``"openexr-cube"`` where the file says so by OpenEXR's `envmap` attribute.
+    """
+
+    pixels: Pixels
+    metadata: dict[str, Any] = field(default_factory=dict)
+    layout: str | None = None
+
+
+@dataclass(frozen=True)
+class Part:
+    """One named part of a multi-part EXR.
+
+    Attributes
+    ----------
+    name : str
+        Unique in its file.
+    pixels : (H, W, C) float32
+        Any quantity: nothing is converted.
+    channels : sequence of C str
+        Unique names.
+    metadata : mapping
+        Text, numbers, or sequences of floats.
+    """
+
+    name: str
+    pixels: Pixels
+    channels: Sequence[str]
+    metadata: Metadata = field(default_factory=dict)
+
+
+def warn(path: PathLike, what: str) -> None:
+    """Say what was changed of a picture."""
+    warnings.warn(f"{os.fspath(path)}: {what}", ImageWarning, stacklevel=3)
