@@ -121,7 +121,7 @@ class Part:
         if not self.zonal:
             return _core.global_coefficients(light=self.light, rho=self.rho)
         l = np.repeat(np.arange(self.F + 1), 2 * np.arange(self.F + 1) + 1)
-        # [RH02] eqs. 5 and 14 at q = 0: B_p0 = sum_lm L_lm rho_lp0 d^l_m0 e^{i m beta}, and
+        # [RH02] eq. 5 and eq. 14 at q = 0: B_p0 = sum_lm L_lm rho_lp0 d^l_m0 e^{i m beta}, and
         # d^l_m0 e^{i m beta} = Lambda_l Y_lm with Lambda_l = sqrt(4 pi / (2l+1))
         return np.asarray(
             self.light[:, None, :] * (np.sqrt(4 * np.pi / (2 * l + 1))[:, None, None] * self.rho[l, :, 0])
