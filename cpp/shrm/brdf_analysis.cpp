@@ -9,10 +9,6 @@
 namespace shrm {
 namespace {
 
-constexpr std::size_t size(int n) {
-    return static_cast<std::size_t>(n);
-}
-
 // rho_q(i, c) = sum_k weight cos(q phi_k) rho_hat(i, k, c) for one view: the first step. (Q+1, channels, I)
 SHRM_CLONES
 void azimuthal_step(const TransferTable& t, int v, int Q, double* rho_q, double* energy) {
