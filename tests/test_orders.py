@@ -186,8 +186,10 @@ def test_the_lobe_centre_needs_fewer_orders_than_the_reflection():
         ({"criterion": "best"}, "criterion must be one of light, brdf, minimum, bound"),
         ({"F_max": -1}, r"F_max must be in \[0, 1000\], got -1"),
         ({"P_max": 2.5}, "P_max must be a whole number"),
+        ({"brdf": "ggx"}, r"brdf must be a material of shrm\.brdf, got str"),
+        ({"env": "grace.hdr"}, "env must be an Environment, got str"),
     ],
 )
 def test_bad_arguments_are_named(arguments, text):
     with pytest.raises((ValueError, TypeError), match=text):
-        choose(brdf.Lambert(1.0), **arguments)
+        choose(**({"brdf": brdf.Lambert(1.0)} | arguments))

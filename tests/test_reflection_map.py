@@ -27,7 +27,8 @@ def random_light(F: int, P: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize(
-    ("F", "P", "H", "W"), [(7, 3, 12, 24), (2, 4, 9, 20), (0, 0, 4, 8), (5, 2, 8, 14), (20, 1, 6, 6)]
+    ("F", "P", "H", "W"),
+    [(7, 3, 12, 24), (2, 4, 9, 20), (0, 0, 4, 8), (5, 2, 8, 14), (20, 1, 6, 6), (30, 24, 4, 8)],
 )
 def test_local_and_global_form_agree(F, P, H, W):
     """Eq. 14 turned by eq. 8 is the band-limited global form, computed without either."""
@@ -288,6 +289,17 @@ def test_normals_turned_away_from_the_eye_are_continuous(material):
     N = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=1)
     before, after = rm.radiance(N, [0, 0, 1.0])
     np.testing.assert_allclose(after, before, rtol=5e-3)
+
+
+@pytest.mark.parametrize("center", ["lobe", "normal"])
+def test_views_below_the_horizon_are_seen_as_at_the_horizon(center):
+    """The fit over the views ends there: a series in the view must not be carried on beyond it."""
+    env = band_limited_environment(6, seed=20)
+    rm = prefilter(env, brdf.GGX(0.5), orders=(6, 8), size=64, center=center)
+    below = np.array([[np.sin(a), 0, np.cos(a)] for a in np.radians([91, 100, 120, 150])])
+    N = np.tile([0, 0, 1.0], (len(below), 1))
+    at_horizon = rm.radiance(N, [1.0, 0, 0])
+    np.testing.assert_allclose(rm.radiance(N, below), at_horizon, rtol=1e-5)
 
 
 def test_black_light_reflects_nothing():

@@ -138,6 +138,20 @@ def test_rotation_at_degenerate_angles(euler):
     np.testing.assert_allclose(sh.rotate(c, R), oracles.rotated_coefficients(c, R), atol=1e-7)
 
 
+@pytest.mark.parametrize("m", [0, 1, 500, 999])
+def test_legendre_functions_are_orthonormal_to_degree_1000(m):
+    """2 pi int f_lm f_km sin(theta) dtheta = 1 for l = k, else 0, by Gauss's rule, exact at these degrees.
+
+    A node off by a rounding error changes a function of degree l by l times that, and the sum of a product by
+    l^2 times.
+    """
+    F = sh.MAX_DEGREE
+    x, weight = np.polynomial.legendre.leggauss(F + 1)
+    f = _core.legendre(F=F, m=m, theta=np.arccos(x))[m:]
+    products = 2 * np.pi * (f * weight) @ f.T
+    np.testing.assert_allclose(products, np.eye(len(f)), atol=F**2 * np.finfo(float).eps)
+
+
 def test_wigner_d_against_the_explicit_sum():
     assert _core.wigner_d(m=1, q=0, F=1, alpha=0.3)[1] == pytest.approx(-np.sin(0.3) / np.sqrt(2), abs=1e-15)
     for l in (0, 1, 4, 9):

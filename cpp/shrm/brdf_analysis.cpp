@@ -9,7 +9,8 @@
 namespace shrm {
 namespace {
 
-// rho_q(i, c) = sum_k weight cos(q phi_k) rho_hat(i, k, c) for one view: the first step. (Q+1, channels, I)
+// rho_q(i, c) = sum_k weight cos(q phi_k) rho_hat(i, k, c) for one view; rho_q (Q+1, channels, I). The first
+// step of [RH02] appendix C, its factor 2 pi left to the fit over theta_o.
 SHRM_CLONES
 void azimuthal_step(const TransferTable& t, int v, int Q, double* rho_q, double* energy) {
     const std::size_t I = size(t.I), K = size(t.K), channels = size(t.channels);
@@ -43,7 +44,8 @@ void azimuthal_step(const TransferTable& t, int v, int Q, double* rho_q, double*
     for (std::size_t c = 0; c < channels; ++c) energy[c * size(t.views) + size(v)] = squares[c];
 }
 
-// g_lq(v) = sum_i weight f_lq(theta_i) rho_q(i): the step over theta_i, for one view and one q.
+// g_lq(v) = sum_i weight f_lq(theta_i) rho_q(i) for one view and one q: the third step of [RH02] appendix C,
+// taken before the second: the integrals commute.
 SHRM_CLONES
 void polar_step(const TransferTable& t, int v, int q, int L, int Q, const LegendreRecurrence& recurrence,
                 const double* rho_q, double* g) {

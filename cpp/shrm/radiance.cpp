@@ -116,7 +116,8 @@ glm::dvec3 texel_direction(const ReflectionMapView& map, int row, int column) {
     return glm::normalize(cube_direction(row / map.W, centred(column), centred(row % map.W)));
 }
 
-// sum over maps of weight times the interpolated map, three channels.
+// result (3) += sum over the maps of weight times the interpolated map: the sums of [RH02] eqs. 6 and 7, the
+// weights being Y_pq of the view.
 SHRM_CLONES
 void interpolate(const ReflectionMapView& map, const Stencil& s, const double* weights, float* result) {
     const std::size_t width = size(map.W), ring = size(map.maps()) * 3 * width;
@@ -145,17 +146,18 @@ glm::dvec3 cube_direction(int face, double s, double t) {
 
 glm::dvec3 central_direction(Centre centre, std::span<const double> gamma, const glm::dvec3& axis,
                              glm::dvec3& view) {
-    if (centre == Centre::tangent || centre == Centre::normal) return axis;
+    if (centre == Centre::tangent) return axis;
     const double cosine = glm::dot(axis, view);
     if (centre == Centre::reflection) return 2 * cosine * axis - view;
     const glm::dvec3 across = view - cosine * axis;
     const double sine = glm::length(across);
     if (sine < 1e-12) return axis;
+    if (cosine < 0) view = across / sine;
+    if (centre == Centre::normal) return axis;
     const double theta_v = std::min(std::atan2(sine, cosine), pi / 2);
     const double at = theta_v / (pi / 2) * static_cast<double>(gamma.size() - 1);
     const std::size_t i = std::min(static_cast<std::size_t>(at), gamma.size() - 2);
     const double t = at - static_cast<double>(i), angle = (1 - t) * gamma[i] + t * gamma[i + 1];
-    if (cosine < 0) view = across / sine;
     return std::cos(angle) * axis - std::sin(angle) / sine * across;
 }
 
@@ -184,6 +186,7 @@ void add_radiance(const ReflectionMapView& map, Centre centre, std::span<const d
     }
 }
 
+// One row of the sum over the maps [RH02] eq. 12: a product of functions of C and of V as in eq. 4.
 SHRM_CLONES
 static void view_ring(const ReflectionMapView& map, int row, const float* weights, float* sums,
                       float* pixels) {

@@ -55,7 +55,8 @@ void local_reflection_map(std::span<const double> light, std::span<const double>
             std::fill(modes.begin(), modes.end(), 0.f);
             for (int q = 0; q <= P; ++q)
                 for (int m = 0; m <= F; ++m) {
-                    // B_mpq(alpha) = sum_l B_lmpq d^l_mq(alpha), B_lmpq = L_lm rho_lpq   [RH02] eq. 5, app. C
+                    // B_mpq(alpha) = sum_l B_lmpq d^l_mq(alpha)   [RH02] eq. 14, first step of app. C, step 3
+                    // B_lmpq = L_lm rho_lpq                       [RH02] eq. 5, without Lambda_l as in app. A
                     std::fill(B.begin(), B.end(), 0);
                     for (int sign = 0; sign < (m ? 2 : 1); ++sign) {
                         const int order = sign ? -m : m;
@@ -72,8 +73,8 @@ void local_reflection_map(std::span<const double> light, std::span<const double>
                             previous = std::exchange(d, (a * x + b) * d - back * previous);
                         }
                     }
-                    // B_pq(alpha, beta) = sum_m B_mpq e^{i m beta} as cosines and sines of its real and
-                    // imaginary part
+                    // B_pq(alpha, beta) = sum_m B_mpq e^{i m beta}   [RH02] eq. 14, second step of app. C,
+                    // step 3: its real and its imaginary part as cosines and sines of m beta
                     for (int p = q; p <= P; ++p)
                         for (int c = 0; c < channels; ++c) {
                             const Complex u = B[size(p * channels + c)],
@@ -105,34 +106,35 @@ void global_from_local(std::span<const float> local, int P, int channels, int H,
             return (((size(i) * maps) + lm(p, q)) * n + size(c)) * width;
         };
         for (int p = 0; p <= P; ++p) {
-            // d^p_sq(alpha); [RH02] eq. 8 has d^p_{qs}(-alpha) = d^p_{sq}(alpha)
+            // d^p_{sq}(-alpha) of [RH02] eq. 8 at [q, s], as d^p_{qs}(alpha)
             std::vector<double> d(size(2 * p + 1) * size(2 * p + 1));
-            for (int s = -p; s <= p; ++s)
-                for (int q = -p; q <= p; ++q) {
-                    const WignerRecurrence recurrence(s, q, p);
+            for (int q = -p; q <= p; ++q)
+                for (int s = -p; s <= p; ++s) {
+                    const WignerRecurrence recurrence(q, s, p);
                     double value = recurrence.start(std::cos(alpha / 2), std::sin(alpha / 2)), previous = 0;
                     for (int l = recurrence.first_degree(); l < p; ++l) {
                         const auto [a, b, back] = recurrence.step(l);
                         previous = std::exchange(value, (a * std::cos(alpha) + b) * value - back * previous);
                     }
-                    d[size((s + p) * (2 * p + 1) + q + p)] = value;
+                    d[size((q + p) * (2 * p + 1) + s + p)] = value;
                 }
             for (int c = 0; c < channels; ++c)
                 for (int j = 0; j < W; ++j) {
                     const double beta = pi - 2 * pi * (j + 0.5) / W;
-                    for (int s = 0; s <= p; ++s) {
+                    // B~_pq = sum_s d^p_{sq}(-alpha) e^{-i q beta} B_ps   [RH02] eq. 8
+                    for (int q = 0; q <= p; ++q) {
                         Complex sum = 0;
-                        for (int q = -p; q <= p; ++q) {
-                            const int a = std::abs(q);
+                        for (int s = -p; s <= p; ++s) {
+                            const int a = std::abs(s);
                             Complex B = local[at(p, a, c) + size(j)];
-                            if (q)
+                            if (s)
                                 B = Complex(B.real(), -local[at(p, -a, c) + size(j)]) / std::numbers::sqrt2;
-                            if (q < 0) B = a % 2 ? -std::conj(B) : std::conj(B);
-                            sum += d[size((s + p) * (2 * p + 1) + q + p)] * B;
+                            if (s < 0) B = a % 2 ? -std::conj(B) : std::conj(B);
+                            sum += d[size((q + p) * (2 * p + 1) + s + p)] * B;
                         }
-                        sum *= std::polar(s ? std::numbers::sqrt2 : 1, -s * beta);
-                        global[at(p, s, c) + size(j)] = static_cast<float>(sum.real());
-                        if (s) global[at(p, -s, c) + size(j)] = static_cast<float>(-sum.imag());
+                        sum *= std::polar(q ? std::numbers::sqrt2 : 1, -q * beta);
+                        global[at(p, q, c) + size(j)] = static_cast<float>(sum.real());
+                        if (q) global[at(p, -q, c) + size(j)] = static_cast<float>(-sum.imag());
                     }
                 }
         }
@@ -151,7 +153,7 @@ void global_coefficients(std::span<const double> light, std::span<const double> 
     for (std::size_t index = 0; index < orders.size(); ++index) {
         const auto [p, q] = orders[index];
         std::vector<Complex> b(basis_size(J) * size(n));  // b^pq_jk, complex basis
-        std::vector<double> shape(size(n));
+        std::vector<double> shape(size(n));               // shape_lj, one l and one j at a time
         for (int l = 0; l <= F; ++l)
             for (int j = std::abs(l - p); j <= l + p; j += 2) {  // odd l + p - j cancels between s and -s
                 std::fill(shape.begin(), shape.end(), 0.);
@@ -162,6 +164,7 @@ void global_coefficients(std::span<const double> light, std::span<const double> 
                         shape[size(c)] += w * rho[rho_index(l, p, std::abs(s), P, n, c)];
                 }
                 for (int k = std::max(-j, -l - q); k <= std::min(j, l - q); ++k) {
+                    // L_lm rho_lps of [RH02] eq. 5 at m = k + q, summed over s in `shape`
                     const double w = (q % 2 ? -1 : 1) * coupling(l, k + q, p, -q, j);
                     for (int c = 0; c < n; ++c)
                         b[lm(j, k) * size(n) + size(c)] +=

@@ -4,18 +4,19 @@
 //
 //   light    L_lm, real basis            ((F+1)^2, channels)
 //   rho      rho_lpq, 0 <= q <= p        (F+1, P+1, P+1, channels), zero where q > min(l, p)
-//   maps     real in both forms: with B_{p,-q} = (-1)^q conj(B_pq) the maps sqrt2 Re B_pq at (p, q > 0), B_p0
-//   and
-//            -sqrt2 Im B_pq at (p, -q) are the coefficients of the radiance in the real basis of the view,
-//            indexed p (p+1) + q.      rings (H, (P+1)^2, channels, W)
+//   maps     rings (H, (P+1)^2, channels, W), map p (p+1) + q
+//
+// In both forms B_{p,-q} = (-1)^q conj(B_pq), so that real maps are enough: sqrt2 Re B_pq at (p, q > 0),
+// B_p0, and -sqrt2 Im B_pq at (p, -q) are the coefficients of the radiance in the real basis of the view.
 #pragma once
 
 #include <span>
 
 namespace shrm {
 
-// The local form [RH02] eq. 14 on a lat-long grid of central directions, by the two steps of appendix C.
-// B_pq, q /= 0, is a spin function, singular at the poles: for the grid it is made on, not for interpolation.
+// The local form [RH02] eq. 14 on a lat-long grid of central directions, by the two steps of appendix C,
+// step 3. B_pq, q /= 0, is a spin function, singular at the poles: for the grid it is made on, not for
+// interpolation.
 void local_reflection_map(std::span<const double> light, std::span<const double> rho, int F, int P,
                           int channels, int H, int W, std::span<float> rings);
 
@@ -25,10 +26,14 @@ void global_from_local(std::span<const float> local, int P, int channels, int H,
 
 // The global form at once. Its maps B~_pq are scalar and band-limited to degree F + p; these are their
 // spherical harmonic coefficients:
-//   B~_pq = sum_jk b^pq_jk Y_jk,
-//   b^pq_jk = sqrt(4 pi / (2j+1)) (-1)^q sum_l <l k+q p -q | j k> L_{l,k+q} sum_s (-1)^s rho_lp|s| <l s p -s
-//   | j 0>,
-// which is [RH02] eq. 14 put into eq. 8 and the product of the two d summed by the Clebsch-Gordan series.
+//
+//   B~_pq    = sum_jk b^pq_jk Y_jk
+//   b^pq_jk  = (-1)^q sum_l <l k+q p -q | j k> L_{l,k+q} shape_lj
+//   shape_lj = sqrt(4 pi / (2j+1)) sum_s (-1)^s <l s p -s | j 0> rho_lp|s|
+//
+// which is [RH02] eq. 14 put into eq. 8 and the product of the two d summed by the Clebsch-Gordan series
+// [VMK88 4.6].
+//
 //   coefficients ((F+P+1)^2, (P+1)^2, channels), real basis in both indices
 void global_coefficients(std::span<const double> light, std::span<const double> rho, int F, int P,
                          int channels, std::span<double> coefficients);

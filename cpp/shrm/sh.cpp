@@ -197,6 +197,7 @@ void analysis(std::span<const float> pixels, int H, int W, int channels, int F, 
 #pragma omp for schedule(static)
         for (int i = 0; i < rings; ++i) {
             const std::size_t row = size(W) * size(channels);
+            // L_m(theta), the integral over phi: [RH02] section 6.1, first step
             fourier.analyse(&pixels[size(i) * row], channels, texel, north.data(), scratch);
             if (H - 1 - i != i)
                 fourier.analyse(&pixels[size(H - 1 - i) * row], channels, texel, south.data(), scratch);
@@ -213,6 +214,7 @@ void analysis(std::span<const float> pixels, int H, int W, int channels, int F, 
                         to[size(parts) * size(padded)] = north[from] - south[from];
                     }
         }
+        // L_lm, the integral over theta: [RH02] section 6.1, second step
 #pragma omp for schedule(dynamic)
         for (int m = 0; m <= F; ++m)
             legendre_analysis(m, F, channels, recurrence, quadrature,

@@ -17,10 +17,11 @@ enum class Texel {
 };
 
 // Weights w_i of Fejer's first rule at theta_i = (i + 1/2) pi / H: sum_i w_i g(theta_i) is the integral
-// of g(theta) sin(theta) over [0, pi], exact for trigonometric polynomials [W06].
+// of g(theta) sin(theta) over [0, pi], exact for polynomials in cos(theta) of degree below H [W06].
 std::vector<double> fejer_weights(int H);
 
-// coefficients(lm, c) = integral of pixels(c) Y_lm over the sphere, degrees l <= F.
+// coefficients(lm, c) = integral of pixels(c) Y_lm over the sphere, degrees l <= F: L_lm by the two steps of
+// [RH02] section 6.1.
 //   pixels (H, W, channels), coefficients ((F+1)^2, channels)
 void analysis(std::span<const float> pixels, int H, int W, int channels, int F, Texel texel,
               std::span<double> coefficients);

@@ -56,7 +56,7 @@ void rotate(std::span<const double> coefficients, int channels, int F, const glm
     const double x = std::cos(alpha), cos_half = std::cos(alpha / 2), sin_half = std::sin(alpha / 2);
     const std::size_t n = size(channels);
 
-    // e^{-i q gamma} c_lq for q >= 0, complex basis times sqrt2 (c_l0 too, so that one sum serves all)
+    // sqrt2 e^{-i q gamma} c_lq for q > 0, and c_l0, with c_lq of the complex basis
     std::vector<Complex> turned(basis_size(F) * n);
     for (int l = 0; l <= F; ++l)
         for (int q = 0; q <= l; ++q)
@@ -77,7 +77,7 @@ void rotate(std::span<const double> coefficients, int channels, int F, const glm
                        e0 = 0;
                 const double sign = q % 2 ? -1 : 1;
                 for (int l = plus.first_degree(); l <= F; ++l) {
-                    // c_{l,-q} = (-1)^q conj(c_lq); the real basis carries sqrt2 for q > 0
+                    // the terms of q and -q at once, c_{l,-q} = (-1)^q conj(c_lq); sums are c'_lm / sqrt2
                     const double re = q ? (d + sign * e) / 2 : d / std::numbers::sqrt2,
                                  im = q ? (d - sign * e) / 2 : 0;
                     for (std::size_t c = 0; c < n; ++c) {

@@ -43,8 +43,8 @@ EulerAngles euler_angles(const glm::dmat3& R);
 void rotate(std::span<const double> coefficients, int channels, int F, const glm::dmat3& R,
             std::span<double> rotated);
 
-// <l m p mu | j m+mu> by Racah's sum [VMK88 8.2] with a table of log n!; relative error below 1e-11 for p
-// <= 16.
+// <l m p mu | j m+mu> by Racah's sum [VMK88 8.2] with a table of log n!. Its terms alternate and cancel: for
+// l <= 120 the absolute error is about 2e-12 for p <= 8, 2e-10 for p = 16 and 5e-9 for p = 24.
 class ClebschGordan {
   public:
     explicit ClebschGordan(int max_sum);  // l + p + j + 1 <= max_sum

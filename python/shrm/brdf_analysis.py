@@ -14,8 +14,9 @@ Each (l, q) projection of the light's degree and the azimuth,
     g_lq(theta_o) = int int f_lq(theta_i) cos(q phi) rho_hat sin(theta_i) dtheta_i dphi,
 
 is a function of the view alone, and rho_lpq are the coefficients of its weighted least-squares fit by
-f_pq(theta_o), p <= P. The weight is the measure cos^2(theta_v) uniform: for C = R the uniform measure of
-theta_o, for which the fit is the integral [RH02] eq. 13.
+f_pq(theta_o), p <= P. The weight is the measure cos^2(theta_v) uniform. For C = R that is V uniform on the
+sphere about R, sin(theta_o) dtheta_o / 2; there the f_pq are orthogonal, of mean square 1 / 4 pi, and the fit
+is the integral rho_lpq = 2 pi int g_lq f_pq sin(theta_o) dtheta_o of [RH02] eq. 13.
 
 References
 ----------
@@ -101,7 +102,11 @@ def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int, least: i
     K : int
         Azimuths for each colatitude.
     least : int
-        Colatitudes in each panel.
+        Colatitudes in each panel, before those that L needs.
+
+    Returns
+    -------
+    Quadrature
     """
     full = np.pi / 2 - gamma  # below, the whole circle is above the horizon; above, an arc of it
     rungs = width * 2.0 ** np.arange(np.ceil(np.log2(np.pi / width)))
@@ -183,7 +188,7 @@ class LobeAnalysis:
         return int(self.g.shape[0])
 
     def degree_energy(self) -> FloatArray:
-        """Energy of each degree over all p, (L+1, channels): sum_q U_q of the mean of g_lq^2."""
+        """Energy of each degree over all p, (L+1, channels): sum_q U_q of the mean over views of g_lq^2."""
         return np.asarray(np.einsum("cqlv,v,q->lc", self.g**2, self.weight, _multiplicity(self.Q)))
 
     def captured(self, P: int) -> FloatArray:
@@ -204,6 +209,7 @@ class LobeAnalysis:
             kept = np.zeros((self.L + 1, self.channels))
             root = np.sqrt(self.weight)
             for q in range(min(P, self.Q) + 1):
+                # [RH02] appendix C, step 1, the integral over theta_o with the factor 2 pi: eq. 13
                 basis = (_core.legendre(F=P, m=q, theta=self.theta_o)[q:] * root).T
                 wanted = np.moveaxis(self.g[:, q] * root, -1, 0).reshape(
                     len(root), -1
@@ -228,6 +234,10 @@ def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
         Largest degree of the light.
     P : int
         Largest order of the view that will be asked for.
+
+    Returns
+    -------
+    LobeAnalysis
     """
     if isinstance(lobe, RadialLobe):
         return _analyse_radial(lobe, L)
@@ -238,7 +248,10 @@ def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
 
 
 def gamma_table(center: Center, lobe: Lobe | None = None) -> FloatArray:
-    """Return gamma over theta_v in [0, pi/2], (257,) float64 radians; empty about the tangent."""
+    """Return gamma over theta_v in [0, pi/2], (257,) float64 radians; empty about the tangent.
+
+    `lobe` is needed for the lobe centre only.
+    """
     theta_v = np.linspace(0, np.pi / 2, GAMMA_SIZE)
     if center == "reflection":
         return theta_v
@@ -251,7 +264,7 @@ def gamma_table(center: Center, lobe: Lobe | None = None) -> FloatArray:
 
 
 def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
-    """The one-dimensional path: P = 0, rho_l00 = sqrt(4 pi) rho_l."""
+    """The one-dimensional path: P = 0, rho_l00 = sqrt(4 pi) rho_l  [RH02] appendix C, radially symmetric."""
     nodes = _whole_quadrature(1, _radial_width(lobe), L, K=1)
     profile = _columns(lobe.profile(np.cos(nodes.theta_i[0])))
     g, energy = _project(profile[None, :, None, :], nodes, L, 0)
@@ -260,7 +273,7 @@ def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
 
 
 def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
-    """No azimuth: only q = 0. V uniform on the sphere."""
+    """No azimuth: only q = 0 [RH02 section 7.1, Kajiya-Kay]. V uniform on the sphere."""
     x, w = _leggauss(max(96, 8 * (P + 1)))
     theta_o, weight = np.arccos(x), w / 2
     nodes = _uniform_quadrature(len(x), L, K=1)

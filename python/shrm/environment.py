@@ -4,6 +4,7 @@ References
 ----------
 .. [RH01] R. Ramamoorthi, P. Hanrahan. An Efficient Representation for Irradiance Environment Maps.
    SIGGRAPH 2001.
+.. [RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations
@@ -149,6 +150,13 @@ class Environment:
             One of `shrm.layouts.LAYOUTS`.
         size : int, optional
             See `picture`.
+
+        Raises
+        ------
+        ImageError
+            The file cannot be written.
+        TypeError, ValueError
+            layout is not a known name, or size is below 2.
         """
         path = Path(path)
         picture = self.picture(layout, size)
@@ -178,6 +186,11 @@ class Environment:
         -------
         (H', W', 3) float32; (6, n, n, 3) for ``faces``
             0 where the layout is empty.
+
+        Raises
+        ------
+        TypeError, ValueError
+            layout is not a known name, or size is below 2.
         """
         height, width = self._pixels.shape[:2]
         if size is None:
@@ -199,7 +212,7 @@ class Environment:
         Raises
         ------
         TypeError, ValueError
-            R is none.
+            R is not a rotation.
         """
         turn = rotation("R", R)
         shape = (self._pixels.shape[0], self._pixels.shape[1])
@@ -221,7 +234,12 @@ class Environment:
         Returns
         -------
         ((F+1)^2, 3) float64
-            In the real basis at index l (l + 1) + m.
+            In the real basis at index l (l + 1) + m; L_lm of [RH02] section 6.1.
+
+        Raises
+        ------
+        TypeError, ValueError
+            F is negative.
         """
         count = (whole_number("F", F, 0) + 1) ** 2
         if self._coefficients is None or len(self._coefficients) < count:
@@ -242,6 +260,11 @@ class Environment:
         (n, 3) float32
             E(N) = sum over l <= 2 of A_l L_lm Y_lm(N) [RH01, eq. 8]; a diffuse surface reflects
             albedo / pi of it.
+
+        Raises
+        ------
+        TypeError, ValueError
+            normals has another shape, or is not of unit vectors.
         """
         n = unit_vectors("normals", normals)
         A = np.array([math.pi] + 3 * [2 * math.pi / 3] + 5 * [math.pi / 4])  # [RH01] eq. 9

@@ -59,6 +59,11 @@ def maps_at_views(rm: ReflectionMap, views: npt.ArrayLike) -> Float32Array:
     Returns
     -------
     (n, H, W, 3) float32, or (n, 6, N, N, 3) for cubes
+
+    Raises
+    ------
+    TypeError, ValueError
+        If views are not unit vectors, or the material has lobes about several centres.
     """
     maps = [rm.at_view(view) for view in unit_vectors("views", views)]
     if any(isinstance(pixels, dict) for pixels in maps):
@@ -88,11 +93,16 @@ def three_dimensional_texture(rm: ReflectionMap, T: int) -> Float32Array:
     rm : ReflectionMap
         Of a material of one lobe.
     T : int
-        Layers, at theta_o = (t + 1/2) pi / T.
+        Layers, at theta_o = (t + 1/2) pi / T, 1 to 4096.
 
     Returns
     -------
     (T, H, W, 3) float32, or (T, 6, N, N, 3) for cubes
+
+    Raises
+    ------
+    TypeError, ValueError
+        If T is out of its range, or the material has several lobes.
     """
     whole_number("T", T, 1, 4096)
     if len(rm.parts) != 1:
@@ -136,8 +146,8 @@ def fit(
 
     Raises
     ------
-    ValueError
-        If shapes do not fit, or the views do not determine the coefficients.
+    TypeError, ValueError
+        If shapes do not fit, views are not unit vectors or do not determine the coefficients.
     """
     V = unit_vectors("views", views)
     pixels = real_array("maps", maps)
@@ -173,7 +183,7 @@ def fit(
 
 
 def _azimuthal_mean(part: Part) -> FloatArray:
-    """B_p0 of the local form: eq. 8 for s = 0 is sqrt(4 pi / (2p+1)) sum_q B~_pq Y_pq(C)."""
+    """B_p0 of the local form, sqrt(4 pi / (2p+1)) sum_q B~_pq Y_pq(C): [RH02] eq. 8 inverted, at s = 0."""
     maps = part.maps.astype(np.float64)
     C = part.directions().reshape(-1, 3)
     Y = sh.evaluate(np.eye(maps.shape[0]), C).T.reshape(maps.shape[:-1])

@@ -105,7 +105,13 @@ def shape(layout: str, size: int) -> tuple[int, int]:
     ----------
     layout : str
     size : int
-        Rows of a lat-long picture, or the edge n of a cube's face, of a disc, or of the octahedron's square.
+        Rows of a lat-long picture, or the edge n of a cube's face, of a disc, or of the octahedron's square;
+        at least 2.
+
+    Raises
+    ------
+    TypeError, ValueError
+        An unknown layout, or a size below 2.
     """
     check(layout)
     size = whole_number("size", size, 2)

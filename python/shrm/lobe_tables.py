@@ -88,7 +88,7 @@ def radial_table(profile: Profile, tolerance: float) -> RadialTable:
 
 
 def _angle_within(s: Array, u: Array, left_out: float) -> float:
-    # sin(theta) d(theta) = 4 s ds
+    # theta_i* of [RH02] appendix D, by quadrature for any profile; sin(theta) d(theta) = 4 s ds
     density = np.abs(u).sum(axis=1) * s
     energy = np.concatenate([[0], np.cumsum(density[1:] + density[:-1])])
     if energy[-1] == 0:

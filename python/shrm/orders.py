@@ -66,7 +66,7 @@ class LightPower:
 
     @classmethod
     def of(cls, env: Environment, L: int) -> LightPower:
-        """Measure an environment to degree L; the rest by Parseval's theorem."""
+        """Measure an environment to degree L; the rest by Parseval's theorem [RH02 section 5.1]."""
         power = degree_power(env.coefficients(L))
         H, W, _ = env.pixels.shape
         rows = np.einsum("hwc,hwc->hc", env.pixels, env.pixels, dtype=np.float64)
@@ -151,9 +151,14 @@ def choose(
 
     Raises
     ------
-    ValueError
-        If an argument is out of its range.
+    TypeError, ValueError
+        If an argument is of another type or out of its range; if a material of several lobes is judged by
+        another criterion than `light`.
     """
+    if not isinstance(brdf, BRDF):
+        raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
+    if env is not None and not isinstance(env, Environment):
+        raise TypeError(f"env must be an Environment, got {type(env).__name__}")
     require_tolerance(tolerance)
     one_of("criterion", criterion, get_args(Criterion))
     require_orders(F_max, P_max, names=("F_max", "P_max"))
@@ -211,7 +216,11 @@ def error_of(
     criterion : {"light", "brdf", "minimum", "bound"}
         The measure of the error.
     degree_weights : sequence of (F+1,) float64, optional
-        A window on the degrees of each lobe.
+        A window on the degrees of each lobe; `minimum` and `bound` leave it out.
+
+    Returns
+    -------
+    Orders
     """
     L = len(power.degrees) - 1
     lobes = analysed(brdf, L, max(P for _, P in orders))
@@ -279,10 +288,12 @@ class _Measure:
         return max(self.total - float((self.light[: F + 1] * kept).sum()), 0.0)
 
     def _light_residual(self, F: int) -> float:
+        """eps_L, the fraction of the light's energy above degree F [RH02 section 5.1]."""
         above = self.power.degrees[F + 1 :].sum() + self.power.rest.sum()
         return float(above / max(self.power.degrees.sum() + self.power.rest.sum(), 1e-300))
 
     def _brdf_residual(self, F: int, P: int) -> float:
+        """eps_rho, the fraction of the BRDF's energy outside (F, P) [RH02 section 5.1]."""
         kept = self.lobe.captured(P)[: F + 1].sum()
         return max(1 - float(kept / max(self.lobe.energy.sum(), 1e-300)), 0.0)
 

@@ -11,6 +11,7 @@ References
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -80,7 +81,8 @@ def prefilter(
     F_max, P_max : int
         Caps on the orders that a tolerance may take.
     window : {"hann", "lanczos"}, optional
-        Damp the high degrees against ringing; counted in the predicted error.
+        Damp the high degrees against ringing; counted in the predicted error by the criteria `light` and
+        `brdf`.
     clamp : bool
         Set negative radiance to zero when the map is read.
 
@@ -133,8 +135,12 @@ def prefilter(
         _unsampled(lobe, light, *pair, w) for lobe, pair, w in zip(lobes, lobe_orders, windows, strict=True)
     ]
 
+    @cache
+    def spectra() -> list[FloatArray]:  # only where a size or an error is asked for
+        return [map_spectrum(part) for part in parts]
+
     def between_texels(size: int) -> float:
-        return interpolation_error([map_spectrum(part) for part in parts], size, layout)
+        return interpolation_error(spectra(), size, layout)
 
     if size is None:
         wanted = 0.1 * max(truncation_error(), 1e-3)

@@ -114,6 +114,7 @@ def integrate(
                 wi = nodes[start : start + _CHUNK] @ frame
                 rho = lobe.transfer(wi, wo[: len(wi)])
                 light = power[start : start + _CHUNK]
+                # [RH02] eqs. 1 and 2, with eq. 3 for a view given in the world's frame
                 result[k] += rho @ light if rho.ndim == 1 else np.einsum("nc,nc->c", rho, light)
     return result
 

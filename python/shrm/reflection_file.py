@@ -87,6 +87,11 @@ def save(rm: ReflectionMap, path: str | Path) -> None:
 def load(path: str | Path) -> ReflectionMap:
     """Read what `save` wrote.
 
+    Returns
+    -------
+    ReflectionMap
+        With the maps and the predicted error as saved.
+
     Raises
     ------
     shrm.ImageError

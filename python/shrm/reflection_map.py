@@ -72,7 +72,7 @@ class Part:
 
     @property
     def F(self) -> int:
-        """Largest degree of the light."""
+        """Largest degree of the light; -1 for maps fitted to pictures, which have no coefficients."""
         return degree_of(self.light) if len(self.light) else -1
 
     @property
@@ -116,13 +116,13 @@ class Part:
     def coefficients(self) -> FloatArray:
         """Spherical harmonic coefficients of the maps: the exact, resolution-free form.
 
-        ((F+P+1)^2, maps, 3) float64; ((F+1)^2, P+1, 3) if zonal.
+        ((F+P+1)^2, maps, 3) float64; ((F+1)^2, P+1, 3) if zonal. Maps fitted to pictures have none.
         """
         if not self.zonal:
             return _core.global_coefficients(light=self.light, rho=self.rho)
         l = np.repeat(np.arange(self.F + 1), 2 * np.arange(self.F + 1) + 1)
-        # B_p0 = sum_lm L_lm rho_lp0 d^l_m0 e^{i m beta} and Y_lm = sqrt((2l+1)/4pi) d^l_m0 e^{i m beta}, eq.
-        # 14
+        # [RH02] eqs. 5 and 14 at q = 0: B_p0 = sum_lm L_lm rho_lp0 d^l_m0 e^{i m beta}, and
+        # d^l_m0 e^{i m beta} = Lambda_l Y_lm with Lambda_l = sqrt(4 pi / (2l+1))
         return np.asarray(
             self.light[:, None, :] * (np.sqrt(4 * np.pi / (2 * l + 1))[:, None, None] * self.rho[l, :, 0])
         )
@@ -141,19 +141,27 @@ class Part:
         -------
         ((P+1)^2, H, W, 3) float32
             sqrt2 Re B_pq at p(p+1)+q, B_p0, and -sqrt2 Im B_pq at p(p+1)-q: the coefficients in the real
-            basis of the view in the frame of C.
+            basis of the view in the frame of C, for the sum [RH02] eq. 6.
+
+        Raises
+        ------
+        ValueError
+            If H or W is not positive, or the maps were fitted to pictures.
         """
         width = 2 * H if W is None else W
         rings = _core.local_reflection_map(light=self.light, rho=self.rho, H=H, W=width)
         return np.asarray(rings.transpose(1, 0, 3, 2))
 
     def resized(self, size: int, layout: Layout) -> Part:
-        """Return the same lobe on another grid, made from its coefficients."""
+        """Return the same lobe on another grid, made from its coefficients.
+
+        `size` is the rows of a lat-long map, or of a cube's face.
+        """
         return replace(self, layout=layout, rings=synthesised(self.coefficients, size, layout))
 
 
 def synthesised(coefficients: FloatArray, size: int, layout: Layout) -> Float32Array:
-    """Rings of maps from their coefficients ((J+1)^2, maps, 3)."""
+    """Rings (H, maps, 3, W) of a `Part` from the coefficients of its maps, ((J+1)^2, maps, 3)."""
     count, maps = coefficients.shape[:2]
     columns = np.ascontiguousarray(coefficients.reshape(count, maps * 3))
     if layout == "latlong":
@@ -181,6 +189,8 @@ class ReflectionMap:
         The window on the degrees.
     clamp : bool
         Whether negative radiance is set to zero when read.
+    predict : callable
+        Computes `error` when it is first asked for: it takes longer than the maps.
     """
 
     parts: tuple[Part, ...]
@@ -207,9 +217,11 @@ class ReflectionMap:
 
     @cached_property
     def error(self) -> float:
-        """The error predicted, of truncation and interpolation together, in the criterion's measure.
+        """The error predicted, in the criterion's measure.
 
-        For `light`: the relative RMS of the reflected radiance over all frames (N, V).
+        For `light`: the relative RMS of the reflected radiance over all frames (N, V), of truncation and
+        interpolation together. For the others: the fraction of energy that truncation leaves out. For maps
+        fitted to pictures: the relative RMS of the fit.
         """
         return self.predict()
 
@@ -224,7 +236,7 @@ class ReflectionMap:
         """Return the radiance reflected towards the eye [RH02 eq. 7].
 
         Normals that face away from the eye, as interpolated ones do at silhouettes, are shaded as the paper's
-        reflection formula has it (two-sided), or as at the horizon (about other centres).
+        reflection formula has it (two-sided), or as seen from their horizon (about the lobe and the normal).
 
         Parameters
         ----------
@@ -245,7 +257,8 @@ class ReflectionMap:
         Raises
         ------
         ValueError, TypeError
-            If an argument has another shape, or is not of unit vectors.
+            If an argument has another shape, or is not of unit vectors; if a lobe about the tangent is given
+            no tangents.
         """
         one_of("interpolation", interpolation, ("cubic", "bilinear"))
         N = unit_vectors("normals", normals)
@@ -285,6 +298,11 @@ class ReflectionMap:
         (H, W, 3) float32, or (6, N, N, 3) for cubes, or a dict of such arrays
             A dict {centre: map} if the material has several centres; lobes about the same centre are
             summed. A second lobe centre is called "lobe 2", and so on.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If view is not a unit vector.
         """
         V = unit_vectors("view", view, 1)
         maps: dict[str, Float32Array] = {}
@@ -310,6 +328,11 @@ class ReflectionMap:
         """Write an OpenEXR file with the maps, the coefficients and every convention in its metadata.
 
         See `shrm.reflection_file` for what it holds.
+
+        Raises
+        ------
+        shrm.ImageError
+            If the file cannot be written.
         """
         from shrm.reflection_file import save
 

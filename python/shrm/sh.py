@@ -48,8 +48,8 @@ def analysis(pixels: npt.ArrayLike, F: int) -> FloatArray:
 
     Raises
     ------
-    ValueError
-        If pixels has another shape or is not finite, or F is out of range.
+    TypeError, ValueError
+        If pixels has another shape, is not real or not finite, or F is no whole number in its range.
     """
     return _core.analysis(pixels=_picture(pixels), F=whole_number("F", F, 0, MAX_DEGREE), areas=False)
 
@@ -62,7 +62,7 @@ def synthesis(coefficients: npt.ArrayLike, H: int, W: int) -> npt.NDArray[np.flo
     coefficients : ((F+1)^2,) or ((F+1)^2, channels) array_like
         Real-basis coefficients.
     H, W : int
-        Size of the picture.
+        Size of the picture, 1 to 65536 each.
 
     Returns
     -------
@@ -70,8 +70,9 @@ def synthesis(coefficients: npt.ArrayLike, H: int, W: int) -> npt.NDArray[np.flo
 
     Raises
     ------
-    ValueError
-        If coefficients has another shape or is not finite, or H or W is not positive.
+    TypeError, ValueError
+        If coefficients has another shape, is not real or not finite, or H or W is no whole number in its
+        range.
     """
     rings = _core.synthesis(
         coefficients=_coefficients(coefficients),
@@ -97,8 +98,8 @@ def evaluate(coefficients: npt.ArrayLike, directions: npt.ArrayLike) -> FloatArr
 
     Raises
     ------
-    ValueError
-        If a shape does not fit, or the directions are not unit vectors.
+    TypeError, ValueError
+        If a shape does not fit, or the directions are not unit vectors (to 1e-4).
     """
     at = unit_vectors("directions", directions)
     return _core.evaluate(coefficients=_coefficients(coefficients), directions=at)
@@ -120,7 +121,7 @@ def rotate(coefficients: npt.ArrayLike, R: npt.ArrayLike) -> FloatArray:
 
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         If coefficients has another shape, or R is no rotation.
     """
     return _core.rotate(coefficients=_coefficients(coefficients), R=rotation("R", R))
