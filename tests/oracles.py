@@ -7,8 +7,8 @@ areas of its texels.
 
 Models and measures follow Ramamoorthi & Hanrahan, "Frequency Space Environment Map Rendering", ACM TOG
 21(3), 2002 ([RH02]); Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007
-([W07]); Lafortune et al., "Non-Linear Approximation of Reflectance Functions", SIGGRAPH 1997; Kajiya & Kay,
-"Rendering Fur with Three Dimensional Textures", SIGGRAPH 1989; Kautz et al., "A Unified Approach to
+([WMLT07]); Lafortune et al., "Non-Linear Approximation of Reflectance Functions", SIGGRAPH 1997; Kajiya &
+Kay, "Rendering Fur with Three Dimensional Textures", SIGGRAPH 1989; Kautz et al., "A Unified Approach to
 Prefiltered Environment Maps", EGWR 2000 ([KVHS00]).
 """
 
@@ -324,7 +324,7 @@ def microfacet(sigma: float) -> Transfer:
 
 
 def _facets(D: Callable[[Array], Array], G1: Callable[[Array], Array], f0: npt.ArrayLike) -> Transfer:
-    """D G1 G1 F / (4 N.V) above the horizon, with Schlick's Fresnel term; [W07] eq. 20 times the cosine."""
+    """D G1 G1 F / (4 N.V) above the horizon, with Schlick's Fresnel term; [WMLT07] eq. 20 times N.L."""
     f = np.asarray(f0, dtype=np.float64)
 
     def transfer(wi: Array, wo: Array) -> Array:
@@ -348,7 +348,7 @@ def _tan(w: Array) -> Array:
 
 
 def ggx(alpha: float, f0: npt.ArrayLike = 1.0) -> Transfer:
-    """[W07] eqs. 33 and 34."""
+    """[WMLT07] eqs. 33 and 34."""
     return _facets(
         lambda tan2: alpha**2 / (np.pi * (alpha**2 + tan2) ** 2),
         lambda w: 2 / (1 + np.sqrt(1 + (alpha * _tan(w)) ** 2)),
@@ -357,7 +357,7 @@ def ggx(alpha: float, f0: npt.ArrayLike = 1.0) -> Transfer:
 
 
 def beckmann(alpha: float, f0: npt.ArrayLike = 1.0) -> Transfer:
-    """[W07] eqs. 25 and 26, the exact masking term."""
+    """[WMLT07] eqs. 25 and 26, the exact masking term."""
 
     def G1(w: Array) -> Array:
         a = 1 / np.maximum(alpha * _tan(w), 1e-12)

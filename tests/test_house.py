@@ -42,6 +42,17 @@ def test_one_version_everywhere() -> None:
     )
 
 
+def test_what_is_cited_is_in_the_bibliography_and_what_is_there_is_cited() -> None:
+    core = ROOT / "cpp" / "shrm" / "core.hpp"
+    entries = re.findall(r"^//   \[(\w+)\] ", core.read_text(), re.MULTILINE)
+    key = re.compile(r"\[([A-Z][A-Za-z]*\d{2,3})(?=[\],; ])")
+    sources = [*ROOT.glob("cpp/**/*.[ch]pp"), *ROOT.glob("python/**/*.py"), *ROOT.glob("tests/*.py")]
+    cited = {found for path in sources if path != core for found in key.findall(path.read_text())}
+    assert len(entries) == len(set(entries))
+    assert cited - set(entries) == set()
+    assert set(entries) - cited == set()
+
+
 def test_importing_the_package_and_the_command_is_light() -> None:
     """Plots, meshes, windows and progress bars are loaded by the commands that need them."""
     code = "import sys, json, shrm, shrm.cli; print(json.dumps(sorted(sys.modules)))"

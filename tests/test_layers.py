@@ -42,6 +42,7 @@ PYTHON_ORDER = [
 # Each stage, with its parts, may include only those above it.
 CPP_ORDER = [
     ["core"],
+    ["quadrature"],
     ["layouts", "grid"],
     ["legendre", "ring_fourier", "sh"],
     ["wigner"],
@@ -65,7 +66,7 @@ PYTHON_STAGE, CPP_STAGE = stages(PYTHON_ORDER), stages(CPP_ORDER)
 PYTHON_JUDGES = {"lobe_tables", "lobe_integrals", "reference"}
 PYTHON_NEUTRAL = {"_core", "validation", "image_io", "layouts", "environment", "brdf"}
 CPP_JUDGES = {"angular", "angular_texels", "hierarchical"}
-CPP_NEUTRAL = {"core", "layouts", "grid"}
+CPP_NEUTRAL = {"core", "quadrature", "layouts", "grid"}
 
 # Each wraps its part of the core.
 CORE_WRAPPERS = {

@@ -124,9 +124,10 @@ def test_facet_models_conserve_energy_and_are_reciprocal():
 
 
 def test_masking_is_the_shadowed_projected_area():
-    # The defining property of Smith's G1 [W07 eq. 12 to 14]: int D(h) G1(v) max(h.v, 0) dh = cos(v). Through
-    # rho_hat: with F = 1 and G1(L) taken out, int rho_hat / G1(L) dL = G1(V) int D (v.h) / (N.V) dh = 1,
-    # over all L, those below the horizon included; from above with small alpha those are negligible.
+    # The defining property of Smith's G1 [WMLT07 eq. 12 to 14]: int D(h) G1(v) max(h.v, 0) dh = cos(v).
+    # Through rho_hat: with F = 1 and G1(L) taken out, int rho_hat / G1(L) dL is
+    # G1(V) int D (v.h) / (N.V) dh = 1, over all L, those below the horizon included; from above with small
+    # alpha those are negligible.
     v = np.array([[0.6, 0, 0.8]])
     for alpha in (0.1, 0.3):
         x, w = np.polynomial.legendre.leggauss(400)

@@ -50,12 +50,11 @@ struct Planes {
     const float* first;
 
     explicit Planes(const Picture& picture)
-        : length(static_cast<std::size_t>(row_length(picture.W))),
-          stride(length * static_cast<std::size_t>(picture.H)),
+        : length(size(row_length(picture.W))),
+          stride(length * size(picture.H)),
           first(picture.planes.data()) {}
     SHRM_INLINE const float* at(int channel, int row, int column) const {
-        return first + static_cast<std::size_t>(channel) * stride + static_cast<std::size_t>(row) * length +
-               static_cast<std::size_t>(column);
+        return first + size(channel) * stride + size(row) * length + size(column);
     }
 };
 
@@ -96,16 +95,15 @@ SHRM_INLINE void radial_weights(const Nodes& nodes, const Centre& centre, const 
                                 float* weight, std::size_t stride) {
     const int n = arc.end - arc.begin;
     for (int c = 0; c < channels; ++c) {
-        float* w = weight + static_cast<std::size_t>(c) * stride;
+        float* w = weight + size(c) * stride;
         std::fill_n(w, n, 0.0f);
         for (int a = 0; a < nodes.k; ++a) {
-            const std::size_t row = static_cast<std::size_t>(i * nodes.k + a);
+            const std::size_t row = size(i * nodes.k + a);
             const float ring = static_cast<float>(centre.ring(nodes, row));
             const float span = static_cast<float>(centre.span(nodes, row));
             for (int b = 0; b < nodes.k; ++b)
                 add_radial(w, azimuth.data() + b * row_length(nodes.W) + arc.begin, n, ring, span,
-                           static_cast<float>(nodes.solid_angle[row] *
-                                              nodes.column_weight[static_cast<std::size_t>(b)]),
+                           static_cast<float>(nodes.solid_angle[row] * nodes.column_weight[size(b)]),
                            u + c * (intervals + 2), static_cast<float>(intervals));
         }
     }
@@ -116,7 +114,7 @@ SHRM_CLONES void radial_query(const Nodes& nodes, const Planes& planes, const gl
                               float* out) {
     const Centre centre(axis);
     azimuths(nodes, centre.phi, scratch.azimuth);
-    const std::size_t stride = static_cast<std::size_t>(nodes.W);
+    const std::size_t stride = size(nodes.W);
     scratch.weight.resize(3 * stride);
     float* weight = scratch.weight.data();
     double sum[3] = {};
@@ -162,7 +160,7 @@ SHRM_INLINE void slide(const Planes& planes, const std::vector<KernelRow>& rows,
                     load(w, k + (channels == 3 ? c * row.groups * lanes : 0) + m);
                     for (int t = 0; t < outputs; ++t) {
                         Lanes l;
-                        load(l, light[t] + static_cast<std::size_t>(c) * planes.stride + m);
+                        load(l, light[t] + size(c) * planes.stride + m);
                         sum[t][c] += w * l;
                     }
                 }
@@ -187,8 +185,8 @@ SHRM_CLONES void radial_map_row(const Nodes& nodes, const Planes& planes, const 
         if (arcs.count == 0) continue;
         const Arc arc = arcs.arc[0];
         const int groups = (arc.end - arc.begin + lanes - 1) / lanes;
-        const std::size_t stride = static_cast<std::size_t>(groups * lanes), at = kernel.size();
-        kernel.resize(at + stride * static_cast<std::size_t>(profile.channels), 0.0f);
+        const std::size_t stride = size(groups * lanes), at = kernel.size();
+        kernel.resize(at + stride * size(profile.channels), 0.0f);
         radial_weights(nodes, centre, profile.values.data(), profile.channels, profile.intervals, i, arc,
                        scratch.azimuth, kernel.data() + at, stride);
         rows.push_back({i, arc.begin, groups, at});
@@ -214,7 +212,7 @@ SHRM_CLONES void radial_map_row(const Nodes& nodes, const Planes& planes, const 
 SHRM_INLINE void mix_rows(const float* __restrict table, std::size_t n, int from, float t,
                           std::vector<float>& out) {
     out.resize(n);
-    const float* __restrict low = table + static_cast<std::size_t>(from) * n;
+    const float* __restrict low = table + size(from) * n;
     const float* __restrict high = low + n;
     float* __restrict mixed = out.data();
     for (std::size_t k = 0; k < n; ++k) mixed[k] = low[k] + t * (high[k] - low[k]);
@@ -282,14 +280,12 @@ SHRM_CLONES void isotropic_query(const Nodes& nodes, const Planes& planes, const
     const int from = std::min(static_cast<int>(place), table.view_intervals - 1);
     const double t = place - from;
     const int row = table.azimuth_intervals + 2;
-    const std::size_t plane =
-        static_cast<std::size_t>(row) * static_cast<std::size_t>(table.light_intervals + 2);
-    mix_rows(table.ratio.data(), plane * static_cast<std::size_t>(table.channels), from,
-             static_cast<float>(t), s.slice);
+    const std::size_t plane = size(row) * size(table.light_intervals + 2);
+    mix_rows(table.ratio.data(), plane * size(table.channels), from, static_cast<float>(t), s.slice);
 
     // What to visit: the lobe's cap or the hemisphere, whichever is smaller.
-    const auto& low = table.caps[static_cast<std::size_t>(from)];
-    const auto& high = table.caps[static_cast<std::size_t>(from) + 1];
+    const auto& low = table.caps[size(from)];
+    const auto& high = table.caps[size(from) + 1];
     const double offset = low.centre + t * (high.centre - low.centre);
     double outer = std::max(low.outer, high.outer);
     glm::dvec3 axis = std::cos(offset) * n - std::sin(offset) * x_axis;
@@ -299,7 +295,7 @@ SHRM_CLONES void isotropic_query(const Nodes& nodes, const Planes& planes, const
     }
     const Centre centre(axis);
 
-    const std::size_t length = nodes.cos_phi.size(), stride = static_cast<std::size_t>(nodes.W);
+    const std::size_t length = nodes.cos_phi.size(), stride = size(nodes.W);
     for (auto* column : {&s.x, &s.y, &s.z}) column->resize(length);
     for (std::size_t j = 0; j < length; ++j) {
         s.x[j] = static_cast<float>(x_axis.x * nodes.cos_phi[j] + x_axis.y * nodes.sin_phi[j]);
@@ -321,10 +317,9 @@ SHRM_CLONES void isotropic_query(const Nodes& nodes, const Planes& planes, const
         const Arcs arcs = columns(nodes, centre, {0, outer}, i);
         if (arcs.count == 0) continue;
         const int begin = arcs.arc[0].begin, count = arcs.arc[0].end - begin;
-        for (int c = 0; c < table.channels; ++c)
-            std::fill_n(s.weight.data() + static_cast<std::size_t>(c) * stride, count, 0.0f);
+        for (int c = 0; c < table.channels; ++c) std::fill_n(s.weight.data() + size(c) * stride, count, 0.0f);
         for (int a = 0; a < nodes.k; ++a) {
-            const std::size_t ring = static_cast<std::size_t>(i * nodes.k + a);
+            const std::size_t ring = size(i * nodes.k + a);
             const float rest[3] = {static_cast<float>(nodes.cos_theta[ring] * x_axis.z),
                                    static_cast<float>(nodes.cos_theta[ring] * y_axis.z),
                                    static_cast<float>(nodes.cos_theta[ring] * n.z)};
@@ -332,13 +327,11 @@ SHRM_CLONES void isotropic_query(const Nodes& nodes, const Planes& planes, const
                 const std::ptrdiff_t at = b * row_length(nodes.W) + begin;
                 look_up(lookup, table.envelope.data(), s.x.data() + at, s.y.data() + at, s.z.data() + at,
                         count, static_cast<float>(nodes.sin_theta[ring]), rest,
-                        static_cast<float>(nodes.solid_angle[ring] *
-                                           nodes.column_weight[static_cast<std::size_t>(b)]),
+                        static_cast<float>(nodes.solid_angle[ring] * nodes.column_weight[size(b)]),
                         s.cell.data(), s.t_light.data(), s.t_azimuth.data(), s.scale.data());
                 for (int c = 0; c < table.channels; ++c)
-                    add_ratio(s.weight.data() + static_cast<std::size_t>(c) * stride,
-                              s.slice.data() + static_cast<std::size_t>(c) * plane, row, count, s.cell.data(),
-                              s.t_light.data(), s.t_azimuth.data(), s.scale.data());
+                    add_ratio(s.weight.data() + size(c) * stride, s.slice.data() + size(c) * plane, row,
+                              count, s.cell.data(), s.t_light.data(), s.t_azimuth.data(), s.scale.data());
             }
         }
         const std::size_t next = table.channels == 3 ? stride : 0;
@@ -379,12 +372,12 @@ void integrate_radial_map(const Picture& picture, const RadialProfile& profile, 
     const Planes planes(picture);
     // Columns that are a whole number of the picture's columns apart share a kernel.
     const int step = map_W / std::gcd(map_W, picture.W);
-    const std::size_t tasks = static_cast<std::size_t>(map_H) * static_cast<std::size_t>(step);
+    const std::size_t tasks = size(map_H) * size(step);
     for_each_query(tasks, [&](std::size_t task, Scratch& scratch) {
-        const std::size_t i = task / static_cast<std::size_t>(step);
-        const int begin = static_cast<int>(task % static_cast<std::size_t>(step));
+        const std::size_t i = task / size(step);
+        const int begin = static_cast<int>(task % size(step));
         radial_map_row(nodes, planes, profile, outer, pi / map_H * (static_cast<double>(i) + 0.5), begin,
-                       step, map_W, scratch, &out[3 * i * static_cast<std::size_t>(map_W)]);
+                       step, map_W, scratch, &out[3 * i * size(map_W)]);
     });
 }
 
@@ -392,13 +385,13 @@ void integrate_zonal(const Picture& picture, const ZonalProfiles& profiles, std:
                      std::span<const double> theta_o, std::span<float> out) {
     const Nodes nodes(picture);
     const Planes planes(picture);
-    const std::size_t length = static_cast<std::size_t>(profiles.channels * (profiles.intervals + 2));
+    const std::size_t length = size(profiles.channels * (profiles.intervals + 2));
     for_each_query(axes.size(), [&](std::size_t q, Scratch& scratch) {
         const double place = theta_o[q] / pi * (profiles.rows - 1);
         const int from = std::clamp(static_cast<int>(place), 0, profiles.rows - 2);
         mix_rows(profiles.values.data(), length, from, static_cast<float>(place - from), scratch.profile);
-        const Band& low = profiles.bands[static_cast<std::size_t>(from)];
-        const Band& high = profiles.bands[static_cast<std::size_t>(from) + 1];
+        const Band& low = profiles.bands[size(from)];
+        const Band& high = profiles.bands[size(from) + 1];
         const Band band = {std::min(low.inner, high.inner), std::max(low.outer, high.outer)};
         radial_query(nodes, planes, axes[q], scratch.profile.data(), profiles.channels, profiles.intervals,
                      band, scratch, &out[3 * q]);

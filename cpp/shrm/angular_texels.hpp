@@ -10,30 +10,11 @@
 #include <glm/vec3.hpp>
 
 #include "angular.hpp"
+#include "quadrature.hpp"
 
 namespace shrm::angular {
 
 // ---- The nodes of a picture
-
-// Gauss-Legendre nodes on (-1, 1) and weights that sum to 1, by Newton's method.
-inline void gauss_legendre(int n, std::vector<double>& nodes, std::vector<double>& weights) {
-    nodes.resize(static_cast<std::size_t>(n));
-    weights.resize(static_cast<std::size_t>(n));
-    for (int k = 0; k < n; ++k) {
-        double x = -std::cos(pi * (k + 0.75) / (n + 0.5)), slope = 1;
-        for (int step = 0; step < 50; ++step) {
-            double p = 1, before = 0;
-            for (int l = 1; l <= n; ++l)
-                before = std::exchange(p, ((2 * l - 1) * x * p - (l - 1) * before) / l);
-            slope = n * (x * p - before) / (x * x - 1);
-            const double dx = p / slope;
-            x -= dx;
-            if (std::abs(dx) < 1e-15) break;
-        }
-        nodes[static_cast<std::size_t>(k)] = x;
-        weights[static_cast<std::size_t>(k)] = 1 / ((1 - x * x) * slope * slope);
-    }
-}
 
 // Directions of all nodes: k nodes to each row of texels and k to each column.
 struct Nodes {
@@ -46,8 +27,9 @@ struct Nodes {
     explicit Nodes(const Picture& picture) : H(picture.H), W(picture.W), k(picture.subsamples) {
         std::vector<double> x;
         gauss_legendre(k, x, column_weight);
-        const std::size_t kk = static_cast<std::size_t>(k), length = static_cast<std::size_t>(row_length(W));
-        cos_theta.resize(kk * static_cast<std::size_t>(H));
+        for (double& weight : column_weight) weight /= 2;
+        const std::size_t kk = size(k), length = size(row_length(W));
+        cos_theta.resize(kk * size(H));
         sin_theta = solid_angle = cos_theta;
         for (int i = 0; i < H; ++i) {
             // cos(i pi/H) - cos((i+1) pi/H) without cancellation.
@@ -55,14 +37,13 @@ struct Nodes {
             double sum = 0;
             for (std::size_t a = 0; a < kk; ++a) {
                 const double theta = pi / H * (i + 0.5 * (1 + x[a]));
-                const std::size_t node = static_cast<std::size_t>(i) * kk + a;
+                const std::size_t node = size(i) * kk + a;
                 cos_theta[node] = std::cos(theta);
                 sin_theta[node] = std::sin(theta);
                 solid_angle[node] = column_weight[a] * sin_theta[node];
                 sum += solid_angle[node];
             }
-            for (std::size_t a = 0; a < kk; ++a)
-                solid_angle[static_cast<std::size_t>(i) * kk + a] *= texel / sum;
+            for (std::size_t a = 0; a < kk; ++a) solid_angle[size(i) * kk + a] *= texel / sum;
         }
         cos_phi.resize(kk * length);
         sin_phi.resize(kk * length);
@@ -115,7 +96,7 @@ inline double half_arc(double ring, double span, double within) {
 inline Arcs columns(const Nodes& nodes, const Centre& centre, const Band& band, int i) {
     double outer = -1, inner = pi;
     for (int a = 0; a < nodes.k; ++a) {
-        const std::size_t row = static_cast<std::size_t>(i * nodes.k + a);
+        const std::size_t row = size(i * nodes.k + a);
         const double ring = centre.ring(nodes, row), span = centre.span(nodes, row);
         outer = std::max(outer, half_arc(ring, span, band.outer));
         inner = std::min(inner, band.inner > 0 ? half_arc(ring, span, band.inner) : -1);

@@ -9,10 +9,6 @@
 namespace shrm {
 namespace {
 
-constexpr std::size_t size(int n) {
-    return static_cast<std::size_t>(n);
-}
-
 // rho_q(i, c) = sum_k weight cos(q phi_k) rho_hat(i, k, c) for one view; rho_q (Q+1, channels, I). The first
 // step of [RH02] appendix C, its factor 2 pi left to the fit over theta_o.
 SHRM_CLONES

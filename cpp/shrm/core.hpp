@@ -16,30 +16,58 @@
 //   Order      in the papers is the maximum degree: F of l, P of p.
 //   Arrays     row-major; the last index is the channel unless a comment says otherwise.
 //
-// BIBLIOGRAPHY (cited as [RH02] eq. 14 at the line that computes it)
-//   [RH02]   R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering.
-//            ACM TOG 21(3), 2002.
-//   [R02]    R. Ramamoorthi. A Signal-Processing Framework for Forward and Inverse Rendering.
-//            PhD thesis, Stanford, 2002. Chapter 5 is the long form of [RH02].
-//   [RH01]   R. Ramamoorthi, P. Hanrahan. An Efficient Representation for Irradiance
-//            Environment Maps. SIGGRAPH 2001.
-//   [KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to
-//            Prefiltered Environment Maps. EGWR 2000.
-//   [LK03]   J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-//   [VMK88]  D. Varshalovich, A. Moskalev, V. Khersonskii. Quantum Theory of Angular Momentum.
-//            World Scientific, 1988.
-//   [W06]    J. Waldvogel. Fast Construction of the Fejer and Clenshaw-Curtis Quadrature
-//            Rules. BIT 46, 2006.
-//   [K81]    R. Keys. Cubic Convolution Interpolation for Digital Image Processing. IEEE TASSP
-//            29(6), 1981.
+// BIBLIOGRAPHY (cited as [RH02] eq. 14 at the line that computes it, in Python too)
+//   Rendering in frequency space, and what it is compared with
+//   [RH02]     R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering.
+//              ACM TOG 21(3), 2002.
+//   [R02]      R. Ramamoorthi. A Signal-Processing Framework for Forward and Inverse Rendering.
+//              PhD thesis, Stanford, 2002. Chapter 5 is the long form of [RH02].
+//   [RH01]     R. Ramamoorthi, P. Hanrahan. An Efficient Representation for Irradiance
+//              Environment Maps. SIGGRAPH 2001.
+//   [CON99]    B. Cabral, M. Olano, P. Nemec. Reflection Space Image Based Rendering.
+//              SIGGRAPH 1999.
+//   [KM00]     J. Kautz, M. McCool. Approximation of Glossy Reflection with Prefiltered
+//              Environment Maps. Graphics Interface 2000.
+//   [KVHS00]   J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to
+//              Prefiltered Environment Maps. EGWR 2000.
+//   Mathematics
+//   [VMK88]    D. Varshalovich, A. Moskalev, V. Khersonskii. Quantum Theory of Angular
+//              Momentum. World Scientific, 1988.
+//   [W06]      J. Waldvogel. Fast Construction of the Fejer and Clenshaw-Curtis Quadrature
+//              Rules. BIT 46, 2006.
+//   [S67]      R. Sinkhorn. Diagonal Equivalence to Matrices with Prescribed Row and Column
+//              Sums. American Mathematical Monthly 74(4), 1967.
+//   [OS83]     A. van Oosterom, J. Strackee. The Solid Angle of a Plane Triangle. IEEE
+//              Transactions on Biomedical Engineering 30(2), 1983.
+//   Layouts, materials, light and color
+//   [HS98]     W. Heidrich, H.-P. Seidel. View-Independent Environment Maps. Graphics
+//              Hardware 1998.
+//   [ED08]     T. Engelhardt, C. Dachsbacher. Octahedral Environment Maps. VMV 2008.
+//   [R98]      S. Rusinkiewicz. A New Change of Variables for Efficient BRDF Representation.
+//              EGWR 1998.
+//   [WMLT07]   B. Walter, S. Marschner, H. Li, K. Torrance. Microfacet Models for Refraction
+//              through Rough Surfaces. EGSR 2007.
+//   [PSS99]    A. J. Preetham, P. Shirley, B. Smits. A Practical Analytic Model for Daylight.
+//              SIGGRAPH 1999.
+//   [WSS13]    C. Wyman, P.-P. Sloan, P. Shirley. Simple Analytic Approximations to the CIE
+//              XYZ Color Matching Functions. JCGT 2(2), 2013.
+//   [SMPTE177] SMPTE RP 177. Derivation of Basic Television Color Equations, 1993.
+//   [Lam85]    K. M. Lam. Metamerism and Colour Constancy. PhD thesis, Bradford, 1985.
+//   [BT709]    ITU-R Recommendation BT.709-6, 2015.
 //
 // INDEX, in the order the data flows
-//   grid            picture layouts, solid angles, area-exact conversion
+//   quadrature      Gauss-Legendre nodes and weights
+//   layouts         pictures of the sphere: directions, positions, solid angles of texels
+//   grid            area-exact conversion from one picture to another
+//   legendre        f_lm, the theta part of Y_lm, by recurrence
+//   ring_fourier    the phi part: Fourier transforms of the rings of a picture
 //   sh              analysis, synthesis and evaluation of spherical harmonics
-//   wigner          small-d recurrences, rotation in frequency space
+//   wigner          small-d recurrences, rotation in frequency space, Clebsch-Gordan
 //   brdf_analysis   the transfer function's coefficients rho_lpq
-//   reflection_map  the spherical harmonic reflection map: local, global, per view, per pixel
-//   angular         direct integration; shares no code with sh, so that it can judge it
+//   reflection_map  the spherical harmonic reflection map: its coefficients and its maps
+//   radiance        looking a reflection map up: per pixel, or for one view
+//   angular         direct integration over lobes; shares no code with sh, to judge it
+//   angular_texels  the nodes of a picture's texels, and which of them a lobe visits
 #pragma once
 
 #include <cstddef>
@@ -57,14 +85,23 @@ namespace shrm {
 
 inline constexpr double pi = std::numbers::pi;
 
+// An int that is at least 0, as sizes and indices of arrays.
+constexpr std::size_t size(int n) {
+    return static_cast<std::size_t>(n);
+}
+
+constexpr int round_up(int n, int multiple) {
+    return (n + multiple - 1) / multiple * multiple;
+}
+
 // Index of (l, m) in the real basis, |m| <= l.
 constexpr std::size_t lm(int l, int m) {
-    return static_cast<std::size_t>(l * (l + 1) + m);
+    return size(l * (l + 1) + m);
 }
 
 // Number of basis functions up to degree F.
 constexpr std::size_t basis_size(int F) {
-    return static_cast<std::size_t>(F + 1) * static_cast<std::size_t>(F + 1);
+    return size(F + 1) * size(F + 1);
 }
 
 }  // namespace shrm

@@ -15,7 +15,7 @@ constexpr double accuracy = 1e-4;       // of the marginals that is enough
 constexpr double relaxation = 1.5;      // of the fitting: errors that span many texels fall faster
 
 std::size_t index(int i, int j, int width) {
-    return static_cast<std::size_t>(i) * static_cast<std::size_t>(width) + static_cast<std::size_t>(j);
+    return size(i) * size(width) + size(j);
 }
 
 // A convex polygon of at most eight corners: a quadrilateral cut by a square. (One that is folded, at
@@ -209,14 +209,14 @@ std::vector<OverlapRow> cut_picture(const Own& own, const Picture& own_picture,
                                     const std::vector<double>& own_areas, const Other& other,
                                     const Picture& other_picture, const std::vector<double>& other_areas,
                                     const glm::dmat3& other_from_own, bool ties) {
-    std::vector<OverlapRow> rows(static_cast<std::size_t>(own_picture.height));
+    std::vector<OverlapRow> rows(size(own_picture.height));
 #pragma omp parallel
     {
         Cutter<Own, Other> cutter(own, other, other_from_own, other_picture.width, other_areas);
 #pragma omp for schedule(dynamic, 4)
         for (int i = 0; i < own_picture.height; ++i) {
-            auto& row = rows[static_cast<std::size_t>(i)];
-            row.first.reserve(static_cast<std::size_t>(own_picture.width) + 1);
+            auto& row = rows[size(i)];
+            row.first.reserve(size(own_picture.width) + 1);
             for (int j = 0; j < own_picture.width; ++j) {
                 row.first.push_back(static_cast<std::uint32_t>(row.overlaps.size()));
                 const double area = own_areas[index(i, j, own_picture.width)];
@@ -296,7 +296,7 @@ Conversion::Conversion(const Picture& source, const Picture& target, const glm::
 
 void Conversion::apply(std::span<const float> source, int channels, std::span<float> target) const {
     std::vector<double> light(source_scale_.size()), sums(target_scale_.size());
-    const auto stride = static_cast<std::size_t>(channels);
+    const auto stride = size(channels);
     for (std::size_t c = 0; c < stride; ++c) {
         for (std::size_t i = 0; i < light.size(); ++i)
             light[i] = source_scale_[i] * static_cast<double>(source[i * stride + c]);

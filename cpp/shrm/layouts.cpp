@@ -77,13 +77,13 @@ Cube::Cube(const Faces& faces, int size, double inset) : size_(size), inset_(ins
 int Cube::face_at(double x, double y) const {
     const int column = static_cast<int>(x / size_), row = static_cast<int>(y / size_);
     const bool inside = x >= 0 && y >= 0 && column < 6 && row < 6;
-    return inside ? face_of_cell_[static_cast<std::size_t>(row * 6 + column)] : -1;
+    return inside ? face_of_cell_[size(row * 6 + column)] : -1;
 }
 
 Ray Cube::ray(double x, double y) const {
     const int face = face_at(x, y);
     if (face < 0) return {X, -1};
-    const Frame& f = frames_[static_cast<std::size_t>(face)];
+    const Frame& f = frames_[size(face)];
     const double scale = 2 / (size_ - 2 * inset_);
     const double s = scale * (x - f.column * size_ - inset_) - 1,
                  t = 1 - scale * (y - f.row * size_ - inset_);
@@ -360,14 +360,13 @@ Layout make_layout(std::string_view name, int height, int width) {
 }
 
 std::vector<double> solid_angles(const Layout& layout, int height, int width) {
-    std::vector<double> result(static_cast<std::size_t>(height) * static_cast<std::size_t>(width));
+    std::vector<double> result(size(height) * size(width));
     std::visit(
         [&](const auto& map) {
 #pragma omp parallel for
             for (int i = 0; i < height; ++i)
                 for (int j = 0; j < width; ++j)
-                    result[static_cast<std::size_t>(i) * static_cast<std::size_t>(width) +
-                           static_cast<std::size_t>(j)] = map.solid_angle(i, j);
+                    result[size(i) * size(width) + size(j)] = map.solid_angle(i, j);
         },
         layout);
     return result;

@@ -13,11 +13,10 @@ namespace shrm {
 // The constants of the recurrence f_{l+1,m} = a x f_lm - b f_{l-1,m} for all orders up to F.
 class LegendreRecurrence {
   public:
-    explicit LegendreRecurrence(int F)
-        : F_(F), start_(static_cast<std::size_t>(F) + 1), steps_(triangle(F + 1)) {
+    explicit LegendreRecurrence(int F) : F_(F), start_(size(F) + 1), steps_(triangle(F + 1)) {
         start_[0] = std::sqrt(1 / (4 * pi));
         for (int m = 1; m <= F; ++m)
-            start_[index(m)] = -start_[index(m - 1)] * std::sqrt((2 * m + 1) / (2.0 * m));
+            start_[size(m)] = -start_[size(m - 1)] * std::sqrt((2 * m + 1) / (2.0 * m));
         for (int m = 0; m <= F; ++m) {
             double previous = 0;
             for (int l = m; l <= F; ++l) {
@@ -33,16 +32,13 @@ class LegendreRecurrence {
         double a, b;
     };
     // f_mm(theta) = start(m) sin(theta)^m
-    double start(int m) const { return start_[index(m)]; }
+    double start(int m) const { return start_[size(m)]; }
     // from degree l to l + 1 at order m
     const Step* steps(int m) const { return &steps_[triangle(m)]; }
 
   private:
-    static std::size_t index(int m) { return static_cast<std::size_t>(m); }
-    static std::size_t offset(int l, int m) { return static_cast<std::size_t>(l - m); }
-    std::size_t triangle(int m) const {
-        return static_cast<std::size_t>(m) * static_cast<std::size_t>(2 * F_ + 3 - m) / 2;
-    }
+    static std::size_t offset(int l, int m) { return size(l - m); }
+    std::size_t triangle(int m) const { return size(m) * size(2 * F_ + 3 - m) / 2; }
     int F_;
     std::vector<double> start_;
     std::vector<Step> steps_;

@@ -8,14 +8,11 @@
 #include <glm/geometric.hpp>
 
 #include "shrm/core.hpp"
+#include "shrm/layouts.hpp"
 #include "shrm/legendre.hpp"
 
 namespace shrm {
 namespace {
-
-constexpr std::size_t size(int n) {
-    return static_cast<std::size_t>(n);
-}
 
 // Y_pq(direction), real basis, for all p <= P.
 void real_harmonics(const LegendreRecurrence& recurrence, int P, const glm::dvec3& direction, double* Y) {
@@ -112,10 +109,8 @@ Stencil cube_stencil(int padded, const glm::dvec3& direction, bool bilinear) {
 }
 
 glm::dvec3 texel_direction(const ReflectionMapView& map, int row, int column) {
-    if (map.layout == MapLayout::latlong) {
-        const double theta = (row + 0.5) * pi / map.H, phi = pi - 2 * pi * (column + 0.5) / map.W;
-        return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
-    }
+    if (map.layout == MapLayout::latlong)
+        return LatLong(map.H, map.W, 0).ray(column + 0.5, row + 0.5).direction;
     const int N = map.W - 2 * cube_border;
     const auto centred = [N](int i) { return (2 * (i - cube_border) + 1.0) / N - 1; };
     return glm::normalize(cube_direction(row / map.W, centred(column), centred(row % map.W)));

@@ -15,10 +15,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr std::size_t size(int n) {
-    return static_cast<std::size_t>(n);
-}
-
 // L_lm of the complex basis, for either sign of m, from real coefficients.
 Complex complex_coefficient(std::span<const double> real, int l, int m, int channels, int c) {
     const auto at = [&](int order) { return real[lm(l, order) * size(channels) + size(c)]; };

@@ -11,13 +11,6 @@ namespace {
 typedef float f8 __attribute__((vector_size(32)));
 typedef float f8u __attribute__((vector_size(32), aligned(4)));  // loads from any address
 
-constexpr int round_up(int n, int multiple) {
-    return (n + multiple - 1) / multiple * multiple;
-}
-constexpr std::size_t size(int n) {
-    return static_cast<std::size_t>(n);
-}
-
 // products(r, j) = sum over k of rows(r, k) table(k, j), for 8 columns j. At most 256 texels are added up in
 // float32, those sums in float64.
 template <int R>

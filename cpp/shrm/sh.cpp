@@ -6,6 +6,7 @@
 
 #include "shrm/core.hpp"
 #include "shrm/legendre.hpp"
+#include "shrm/quadrature.hpp"
 #include "shrm/ring_fourier.hpp"
 
 namespace shrm {
@@ -14,33 +15,9 @@ namespace {
 typedef double d8 __attribute__((vector_size(64)));
 typedef double d8u __attribute__((vector_size(64), aligned(8)));
 
-constexpr std::size_t size(int n) {
-    return static_cast<std::size_t>(n);
-}
-constexpr int round_up(int n, int multiple) {
-    return (n + multiple - 1) / multiple * multiple;
-}
-
 // A real function's coefficient of (l, +-m) is the integral of f_lm times this times cos or sin(m phi).
 constexpr double real_norm(int m) {
     return m == 0 ? 1 : std::numbers::sqrt2;
-}
-
-// Gauss-Legendre nodes and weights on [-1, 1], by Newton's method on P_n.
-void gauss_legendre(int n, std::vector<double>& nodes, std::vector<double>& weights) {
-    nodes.resize(size(n));
-    weights.resize(size(n));
-    for (int i = 0; i < n; ++i) {
-        double x = std::cos(pi * (i + 0.75) / (n + 0.5)), slope = 1;
-        for (int step = 0; step < 8; ++step) {
-            double p0 = 1, p1 = x;
-            for (int l = 1; l < n; ++l) p0 = std::exchange(p1, ((2 * l + 1) * x * p1 - l * p0) / (l + 1));
-            slope = n * (x * p1 - p0) / (x * x - 1);
-            x -= p1 / slope;
-        }
-        nodes[size(i)] = x;
-        weights[size(i)] = 2 / ((1 - x * x) * slope * slope);
-    }
 }
 
 // The theta half of the analysis: for the northern rings, nodes and weights such that the sum over a ring's

@@ -9,13 +9,7 @@
 #include "shrm/legendre.hpp"
 
 namespace shrm {
-namespace {
-
-constexpr std::size_t size(int n) {
-    return static_cast<std::size_t>(n);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 WignerRecurrence::WignerRecurrence(int m, int q, int F) : first_(std::max(std::abs(m), std::abs(q))) {
     // d^j_{jk} = sqrt(C(2j, j+k)) cos^{j+k} (-sin)^{j-k} of the half angle; the other edges of the matrix by

@@ -24,7 +24,7 @@ class WignerRecurrence {
     struct Step {
         double a, b, c;
     };
-    const Step& step(int l) const { return steps_[static_cast<std::size_t>(l - first_)]; }
+    const Step& step(int l) const { return steps_[size(l - first_)]; }
 
   private:
     int first_, cos_power_, sin_power_;
@@ -51,7 +51,7 @@ class ClebschGordan {
     double operator()(int l, int m, int p, int mu, int j) const;
 
   private:
-    double log_factorial(int n) const { return log_factorial_[static_cast<std::size_t>(n)]; }
+    double log_factorial(int n) const { return log_factorial_[size(n)]; }
     std::vector<double> log_factorial_;
 };
 

@@ -155,7 +155,7 @@ class Environment:
         ------
         ImageError
             The file cannot be written.
-        ValueError
+        TypeError, ValueError
             layout is not a known name, or size is below 2.
         """
         path = Path(path)
@@ -189,7 +189,7 @@ class Environment:
 
         Raises
         ------
-        ValueError
+        TypeError, ValueError
             layout is not a known name, or size is below 2.
         """
         height, width = self._pixels.shape[:2]
@@ -238,7 +238,7 @@ class Environment:
 
         Raises
         ------
-        ValueError
+        TypeError, ValueError
             F is negative.
         """
         count = (whole_number("F", F, 0) + 1) ** 2
@@ -263,7 +263,7 @@ class Environment:
 
         Raises
         ------
-        ValueError
+        TypeError, ValueError
             normals has another shape, or is not of unit vectors.
         """
         n = unit_vectors("normals", normals)

@@ -110,7 +110,7 @@ def shape(layout: str, size: int) -> tuple[int, int]:
 
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         An unknown layout, or a size below 2.
     """
     check(layout)
