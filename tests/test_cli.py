@@ -221,7 +221,7 @@ def test_the_demos_measure_is_that_of_the_prediction() -> None:
         one = Shaded(lambda R, cosine: np.ones(len(R)))
         return demo.relative_rms(Shaded(lambda R, cosine: 1.0 + light(R, cosine)), one, about_tangent=False)
 
-    # The error of a mean of n weighted draws is the deviation over sqrt(n): below 4% here, halved by the root.
+    # A mean of n weighted draws errs by its deviation over sqrt(n): below 4% here, halved by the root.
     assert measured(lambda R, cosine: cosine**2) == pytest.approx((1 / 3) ** 0.5, rel=0.1)  # E x^2
     assert measured(lambda R, cosine: R[:, 2]) == pytest.approx((1 / 3) ** 0.5, rel=0.1)  # E z^2
     sun = Environment.daylight(sun_elevation=demo.SUN_ELEVATION, sun_azimuth=demo.SUN_AZIMUTH, size=64)
