@@ -25,6 +25,8 @@ def real_array(name: str, value: npt.ArrayLike) -> npt.NDArray[np.float64]:
         raise TypeError(f"{name} must be an array of real numbers, but its rows differ in length") from error
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name} must be an array of real numbers, not of {array.dtype}")
+    if isinstance(value, np.ma.MaskedArray):
+        raise TypeError(f"{name} must be a plain array, but is masked: fill what is masked first")
     array = np.asarray(array, dtype=np.float64)
     bad = np.argwhere(~np.isfinite(array))
     if len(bad):
