@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Literal
 
@@ -350,6 +350,10 @@ class ReflectionMap:
         from shrm.reflection_file import load
 
         return load(path)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Return what is pickled: the error itself in place of how it is predicted."""
+        return {**self.__dict__, "predict": partial(float, self.error)}
 
     def __repr__(self) -> str:
         return f"<ReflectionMap {self.brdf}: F={self.F} P={self.P} {self.layout} {self.parts[0].size}>"
