@@ -217,5 +217,5 @@ def test_core_guards_memory():
 
 
 def test_masked_arrays_are_refused():
-    with pytest.raises(TypeError, match="pixels must be a plain array, but is masked"):
+    with pytest.raises(TypeError, match="pixels must be a plain array, got a masked one"):
         sh.analysis(np.ma.masked_less(np.ones((4, 8, 3)), 0), F=1)
