@@ -284,7 +284,7 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
 
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
-    # Low orders need fewer nodes: a fifth of the time for a relative error of 3e-4 in rho_lpq.
+    # Low orders need fewer nodes: a sixth to a tenth of the time, rho_lpq to 3e-4 (relative RMS).
     views, K, least, Q_least = (24, 24, 8, 8) if P <= 3 and L <= 32 else (64, 48, 10, 24)
     # cos^2(theta_v) uniform, as cos(2 theta_v) uniform on [-1, 1]
     x, w = _leggauss(views)
