@@ -96,3 +96,32 @@ def test_a_cap_on_P_is_told_and_the_error_is_right():
     measured = oracles.relative_rms(rm.radiance(N, V), expected, weights)
     assert rm.error > 0.01
     assert rm.error / 1.3 < measured < 1.25 * rm.error
+
+
+ODD = {
+    "a disc about R, with a jump all round": (
+        lambda wi, wo: (dot(wi, wo * [-1, -1, 1]) > 0.95) * 1.0,
+        "reflection",
+    ),
+    "grazing light and view only": (lambda wi, wo: np.exp(-30 * (wi[:, 2] + wo[:, 2])), "lobe"),
+    "towards the eye": (lambda wi, wo: np.maximum(dot(wi, wo), 0) ** 20, "lobe"),
+}
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return (a * b).sum(axis=1)
+
+
+@pytest.mark.parametrize("name", ODD)
+@pytest.mark.parametrize("orders", [(10, 2), (30, 8)])
+def test_odd_functions_do_not_fool_the_prediction(name, orders):
+    """Jumps that a quadrature misses, and fits over the views that are ill-conditioned."""
+    env = environment("uffizi")
+    function, center = ODD[name]
+    rm = prefilter(env, brdf.from_function(function, center=center), orders=orders)
+    N, V, weights = oracles.important_views(env.pixels, 400, seed=3)
+    expected = oracles.reflected(
+        env.pixels, lambda wi, wo: function(wi, wo) * np.maximum(wi[:, 2], 0), N, V, subsamples=2
+    )
+    measured = oracles.relative_rms(rm.radiance(N, V), expected, weights)
+    assert measured <= 1.25 * rm.error + 1e-4, (measured, rm.error)

@@ -26,8 +26,9 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -170,6 +171,7 @@ class LobeAnalysis:
     weight: FloatArray
     g: FloatArray
     energy: FloatArray
+    _estimate_quadrature_error: Callable[[], float] = lambda: 0.0
     _fits: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
 
     @property
@@ -186,6 +188,11 @@ class LobeAnalysis:
     def channels(self) -> int:
         """1, or 3 for a lobe whose channels differ."""
         return int(self.g.shape[0])
+
+    @cached_property
+    def quadrature_error(self) -> float:
+        """Fraction of the energy by which g may be off: next to nothing unless the lobe has jumps."""
+        return self._estimate_quadrature_error()
 
     def degree_energy(self) -> FloatArray:
         """Energy of each degree over all p, (L+1, channels): sum_q U_q of the mean over views of g_lq^2."""
@@ -296,7 +303,19 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     Q = min(L, max(P, Q_least))  # beyond P for the energy of all azimuths, which order selection needs
     table = _tabulate(lobe, theta_v, at_view, nodes)
     g, energy = _project(table, nodes, L, Q)
-    return LobeAnalysis(lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight)
+
+    def quadrature_error() -> float:
+        """The same by other nodes at every eighth view: what smooth lobes agree on and jumps do not."""
+        few = slice(3, None, 8)
+        others = horizon_quadrature(at_view[few], width, L, K + 7, least + 3)
+        other, _ = _project(_tabulate(lobe, theta_v[few], at_view[few], others), others, L, Q)
+        difference = np.einsum("cqlv,v,q->", (g[..., few] - other) ** 2, weight[few], _multiplicity(Q))
+        whole = float((energy[:, few] @ weight[few]).sum())
+        return float(difference / whole) if whole > 0 else 0.0
+
+    return LobeAnalysis(
+        lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight, quadrature_error
+    )
 
 
 def gamma_at(gamma: FloatArray, theta_v: FloatArray) -> FloatArray:
@@ -330,7 +349,9 @@ def _lobe_centre(lobe: Lobe) -> tuple[FloatArray, float]:
     gamma = np.clip(theta_v - np.arctan2(along_x, along_z), 0, np.pi / 2)
     gamma[0] = 0  # by symmetry
     fine = np.linspace(0, np.pi / 2, GAMMA_SIZE)
-    table = _hermite(theta_v, gamma, np.minimum(fine, _GRAZING))
+    # theta_o = theta_v + gamma must not fall, nor C leave the quadrant between N and the horizon
+    theta_o = np.maximum.accumulate(fine + _hermite(theta_v, gamma, np.minimum(fine, _GRAZING)))
+    table = np.clip(theta_o - fine, 0, np.pi / 2)
     inside = np.cumsum(energy.sum(axis=2), axis=1)
     total = inside[:, -1]
     half = [t[np.searchsorted(e, e[-1] / 2)] for t, e in zip(nodes.theta_i, inside, strict=True) if e[-1] > 0]

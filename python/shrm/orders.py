@@ -285,7 +285,8 @@ class _Measure:
         kept = self.lobe.captured(P)[: F + 1]
         if window is not None:  # a degree kept with weight w errs by (1 - w)^2
             kept = kept * (1 - (1 - window[: F + 1, None]) ** 2)
-        return max(self.total - float((self.light[: F + 1] * kept).sum()), 0.0)
+        left_out = max(self.total - float((self.light[: F + 1] * kept).sum()), 0.0)
+        return left_out + self.lobe.quadrature_error * self.total
 
     def _light_residual(self, F: int) -> float:
         """eps_L, the fraction of the light's energy above degree F [RH02 section 5.1]."""

@@ -11,6 +11,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Literal, get_args
 
@@ -19,7 +20,7 @@ import numpy.typing as npt
 
 from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center, IsotropicLobe, RadialLobe
-from shrm.brdf_analysis import LobeAnalysis
+from shrm.brdf_analysis import LobeAnalysis, gamma_at
 from shrm.environment import Environment
 from shrm.orders import (
     F_MAX,
@@ -32,6 +33,7 @@ from shrm.orders import (
     degree_power,
     error_of,
     require_orders,
+    require_tolerance,
 )
 from shrm.reflection_map import Layout, Part, ReflectionMap
 from shrm.validation import one_of, whole_number
@@ -118,6 +120,9 @@ def prefilter(
     if center is not None:
         brdf = brdf.recentred(center)
 
+    if not isinstance(clamp, bool):
+        raise TypeError(f"clamp must be True or False, got {clamp!r}")
+    require_tolerance(tolerance)
     if orders is None:
         chosen = choose(brdf, tolerance, criterion, env, F_max=F_max, P_max=P_max)
         lobe_orders = [(lobe.F, lobe.P) for lobe in chosen.lobes]
@@ -144,20 +149,22 @@ def prefilter(
     def spectra() -> list[FloatArray]:  # only where a size or an error is asked for
         return [map_spectrum(part) for part in parts]
 
-    def between_texels(size: int) -> float:
-        return interpolation_error(spectra(), size, layout)
-
-    if size is None:
+    if size is not None:
+        sizes, wanted = [int(size)], np.inf
+    else:
         wanted = 0.1 * max(truncation_error(), 1e-3)
-        size = next((s for s in _SIZES if between_texels(s) <= wanted), _SIZES[-1])
-    chosen_size = size
+        sizes = [s for s in _SIZES if interpolation_error(spectra(), s, layout) <= wanted][:4] or [_SIZES[-1]]
+    for chosen_size in sizes:  # the first suffices but for fits that are ill-conditioned
+        sampled = tuple(part.resized(chosen_size, layout) for part in parts)
+        if chosen_size == sizes[-1] or measured_interpolation_error(sampled) <= wanted:
+            break
+
+    def between_texels() -> float:
+        return max(interpolation_error(spectra(), chosen_size, layout), measured_interpolation_error(sampled))
 
     def predict() -> float:
-        return float(
-            np.hypot(truncation_error(), between_texels(chosen_size) if criterion == "light" else 0.0)
-        )
+        return float(np.hypot(truncation_error(), between_texels() if criterion == "light" else 0.0))
 
-    sampled = tuple(part.resized(size, layout) for part in parts)
     return ReflectionMap(sampled, brdf.name, criterion, window, clamp, predict)
 
 
@@ -207,6 +214,39 @@ def interpolation_error(spectra: list[FloatArray], size: int, layout: Layout) ->
     squared = np.mean(np.abs((weights * turn).sum(axis=1) - 1) ** 2, axis=1)
     lost = sum(float((s * squared[: len(s)]).sum()) for s in spectra)
     whole = sum(float(s.sum()) for s in spectra)
+    return float(np.sqrt(lost / whole)) if whole > 0 else 0.0
+
+
+def measured_interpolation_error(parts: Sequence[Part], frames: int = 128) -> float:
+    """Relative RMS error of cubic look-ups against the exact series, over frames of every orientation.
+
+    The spectrum of the maps tells it precisely where the fit over theta_o is well conditioned; where it
+    is not, maps hold large values for views that do not occur, and only the radiance itself tells.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        The sampled maps of all lobes.
+    frames : int
+        Central directions on a Fibonacci spiral, each with one view.
+    """
+    i = np.arange(frames) + 0.5
+    golden = (np.sqrt(5) - 1) / 2
+    z, phi, spin = 1 - 2 * i / frames, 2 * np.pi * golden * i, 2 * np.pi * golden**2 * i
+    s = np.sqrt(1 - z**2)
+    C = np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=1)
+    x = np.stack([z * np.cos(phi), z * np.sin(phi), -s], axis=1)  # d C / d theta
+    across = np.cos(spin)[:, None] * x + np.sin(spin)[:, None] * np.cross(C, x)
+    share = (golden * 7 * i) % 1  # of the views: cos^2(theta_v), or (1 + cos theta_o) / 2 about the tangent
+    lost = whole = 0.0
+    for part in parts:
+        theta_v = np.arccos(np.sqrt(share))
+        about_tangent = part.center == "tangent"
+        theta_o = np.arccos(2 * share - 1) if about_tangent else theta_v + gamma_at(part.gamma, theta_v)
+        V = np.cos(theta_o)[:, None] * C + np.sin(theta_o)[:, None] * across
+        exact, looked_up = part.series(C, V), part.looked_up(C, V)
+        lost += float(((looked_up - exact) ** 2).sum())
+        whole += float((exact**2).sum())
     return float(np.sqrt(lost / whole)) if whole > 0 else 0.0
 
 

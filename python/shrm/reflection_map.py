@@ -127,6 +127,38 @@ class Part:
             self.light[:, None, :] * (np.sqrt(4 * np.pi / (2 * l + 1))[:, None, None] * self.rho[l, :, 0])
         )
 
+    def series(self, C: FloatArray, views: FloatArray) -> FloatArray:
+        """Return the radiance from the coefficients themselves, for central directions and views; (n, 3)."""
+        flat = self.coefficients.reshape(len(self.coefficients), -1)
+        coefficients = _core.evaluate(coefficients=flat, directions=C).reshape(len(C), -1, 3)
+        return np.asarray(np.einsum("nz,nzc->nc", self._view_basis(C, views), coefficients))
+
+    def looked_up(self, C: FloatArray, views: FloatArray) -> Float32Array:
+        """Return the radiance from cubic look-ups in the maps at central directions; (n, 3)."""
+        radiance = np.zeros(C.shape, dtype=np.float32)
+        _core.add_radiance(
+            rings=self.rings,
+            cube=self.layout == "cube",
+            zonal=self.zonal,
+            centre="tangent",  # the axis is C itself
+            gamma=np.zeros(0),
+            axes=C,
+            views=views,
+            bilinear=False,
+            radiance=radiance,
+        )
+        return radiance
+
+    def _view_basis(self, C: FloatArray, views: FloatArray) -> FloatArray:
+        """Y_pq(V), or Y_p0 at the angle between C and V if zonal; (n, maps)."""
+        p = np.arange(self.P + 1)
+        if not self.zonal:
+            return _core.evaluate(coefficients=np.eye((self.P + 1) ** 2), directions=views)
+        cosine = np.clip(np.einsum("nc,nc->n", C, views), -1, 1)
+        along = np.stack([np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=1)
+        Y = _core.evaluate(coefficients=np.eye((self.P + 1) ** 2), directions=along)
+        return np.ascontiguousarray(Y[:, p * (p + 1)])
+
     def local_maps(self, H: int, W: int | None = None) -> Float32Array:
         """Return the local form B_pq(alpha, beta) [RH02 eq. 14] on a lat-long grid.
 
