@@ -6,13 +6,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import pytest
-from shrm import layouts
+from shrm import demo, layouts
 from shrm.cli import COMMANDS, main
 from shrm.cli.options import LAYOUTS
 from shrm.environment import Environment
 from shrm.image_io import ImageWarning, read_image, write_image
 from shrm.reflection_map import ReflectionMap
+
+Array = npt.NDArray[np.floating]
 
 DATA = Path(__file__).parents[2] / "shared" / "data"
 
@@ -226,9 +229,42 @@ def test_the_demo_leaves_a_folder(shrm: Command, tmp_path: Path) -> None:
     status, out, _ = shrm("demo", "--size", 12, "-o", tmp_path / "demo")
     assert status == 0
     assert "measured" in out
+    assert all(len(line) <= 80 for line in out.splitlines() if str(tmp_path) not in line)
     names = {path.name for path in (tmp_path / "demo").iterdir()}
     assert {"spheres.png", "integrated.png", "difference.png"} <= names
     assert sum(name.endswith(".exr") for name in names) >= 6
+
+
+class Shaded:
+    """A material that is a function of the mirrored view (n, 3) and of N.V (n,)."""
+
+    def __init__(self, light: Callable[[Array, Array], Array]) -> None:
+        self.light = light
+
+    def radiance(self, normals: Array, views: Array, tangents: Array | None = None) -> Array:
+        cosine = np.sum(normals * views, axis=1)
+        shade = self.light(2.0 * cosine[:, None] * normals - views, cosine)
+        return np.repeat(shade[:, None], 3, axis=1)
+
+
+def test_the_demos_measure_is_that_of_the_prediction(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against expectations over R uniform on the sphere and x = cos^2 uniform, known in closed form."""
+
+    def measured(light: Callable[[Array, Array], Array]) -> float:
+        one = Shaded(lambda R, cosine: np.ones(len(R)))
+        return demo.relative_rms(Shaded(lambda R, cosine: 1.0 + light(R, cosine)), one, about_tangent=False)
+
+    # The cap below varies most. A draw's variance over its mean squared is w E(16 t^6) / (cap / 2), w = .126:
+    # 38. So the mean of 40000 deviates by 3%, its root by half of that, and 5% is three deviations.
+    monkeypatch.setattr(demo, "FRAMES", 40_000)
+    assert measured(lambda R, cosine: cosine**2) == pytest.approx((1 / 3) ** 0.5, rel=0.05)  # E x^2
+    assert measured(lambda R, cosine: R[:, 2]) == pytest.approx((1 / 3) ** 0.5, rel=0.05)  # E z^2
+    sun = Environment.daylight(sun_elevation=demo.SUN_ELEVATION, sun_azimuth=demo.SUN_AZIMUTH, size=64)
+    toward = layouts.directions("latlong", 64, 128)[
+        np.unravel_index(sun.pixels.sum(axis=2).argmax(), (64, 128))
+    ]
+    cap = 1.0 - np.cos(np.radians(10.0))  # of the sphere: cap / 2
+    assert measured(lambda R, cosine: R @ toward > 1.0 - cap) == pytest.approx((cap / 2) ** 0.5, rel=0.05)
 
 
 # --- faults ---------------------------------------------------------------------------------------

@@ -1,5 +1,7 @@
 """Saved reflection maps: the same radiance when loaded, readable by others, honest about damage."""
 
+import pickle
+
 import numpy as np
 import oracles
 import pytest
@@ -46,6 +48,34 @@ def test_other_programs_find_named_channels_and_the_conventions(env, tmp_path):
     assert [part.name for part in others] == ["0.light", "0.rho", "0.gamma"]
     for word in ("z up", "Condon-Shortley", "towards the eye", "theta_v"):
         assert any(word in str(value) for value in first.metadata.values())
+
+
+def changed(path, part, **metadata):
+    """The file with other metadata in its first part, or other texels there."""
+    first, *others = image_io.read_parts(path)
+    about = {**first.metadata, **{f"shrm:{name}": value for name, value in metadata.items()}}
+    pixels = first.pixels if part is None else np.full_like(first.pixels, part)
+    image_io.write_parts(path, [image_io.Part(first.name, pixels, first.channels, about), *others])
+
+
+@pytest.mark.parametrize("layout", ["latlong", "cube"])
+@pytest.mark.parametrize(
+    ("texels", "metadata"), [(np.nan, {}), (None, {"lobes": 0}), (None, {"lobes": float("inf")})]
+)
+def test_damage_is_told(env, texels, metadata, layout, tmp_path):
+    path = tmp_path / "map.exr"
+    prefilter(env, brdf.GGX(0.4), orders=(6, 2), size=16, layout=layout).save(path)
+    changed(path, texels, **metadata)
+    with pytest.raises(ImageError, match="damaged"):
+        ReflectionMap.load(path)
+
+
+def test_a_map_is_pickled_with_its_error(env):
+    rm = prefilter(env, brdf.GGX(0.4), orders=(6, 2), size=16)
+    back = pickle.loads(pickle.dumps(rm))
+    assert back.error == rm.error
+    V = oracles.random_hairs(10, seed=1)[2]
+    np.testing.assert_array_equal(back.radiance(V, V), rm.radiance(V, V))
 
 
 def test_a_fitted_map_is_saved_without_coefficients(env, tmp_path):

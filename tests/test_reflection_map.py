@@ -435,3 +435,10 @@ def test_cubes_have_the_faces_of_the_strip_layout():
     rm = prefilter(Environment(np.ones((8, 16, 3), np.float32)), brdf.Lambert(1.0), size=6, layout="cube")
     expected = layouts.directions("strip", 36, 6).reshape(6, 6, 6, 3)
     np.testing.assert_allclose(rm.parts[0].directions(), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("given", [{"orders": (900, 24)}, {"orders": (6, 8), "size": 8192}])
+def test_maps_beyond_memory_are_refused_before_they_are_made(given):
+    env = Environment(np.ones((4, 8, 3), dtype=np.float32))
+    with pytest.raises(ValueError, match="GiB, over the limit"):
+        prefilter(env, brdf.Microfacet(0.5), **given)

@@ -358,6 +358,17 @@ def test_looking_straight_down_works() -> None:
     np.testing.assert_allclose(picture.radiance[4, 4], [0, 0, 1], atol=1e-6)
 
 
+@pytest.mark.parametrize(("width", "height"), [(1, 1), (7, 3), (3, 7)])
+def test_pictures_of_any_size_show_the_middle(width: int, height: int) -> None:
+    camera = Camera((-8.0, 0, 0), height=2.0 * height)  # a pixel is as wide as the sphere
+    picture = render([Object(Sphere(), Constant())], camera, width, height, samples=32)
+    assert picture.radiance.shape == (height, width, 3)
+    # The rim crosses 128 of 1024 samples; each is off by 0.3, or together by sqrt(128) 0.3 / 1024 = 0.003.
+    assert picture.coverage[height // 2, width // 2] == pytest.approx(np.pi / 4.0, abs=0.01)
+    assert picture.coverage.sum() == picture.coverage[height // 2, width // 2]
+    np.testing.assert_allclose(picture.radiance, 0.5 * np.repeat(picture.coverage[..., None], 3, axis=2))
+
+
 def test_bands_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
     objects, camera = [Object(Sphere(), Normals())], Camera((-4.0, 1.0, 1.0))
     whole = render(objects, camera, 20, 31)

@@ -214,3 +214,8 @@ def test_core_guards_memory():
         _core.analysis(pixels=np.zeros((4, 8, 6), np.float32)[:, :, ::2], F=2, areas=False)  # strided
     with pytest.raises(ValueError, match="pixels has shape"):
         _core.analysis(pixels=np.zeros((4, 8), np.float32), F=2, areas=False)
+
+
+def test_masked_arrays_are_refused():
+    with pytest.raises(TypeError, match="pixels must be a plain array, got a masked one"):
+        sh.analysis(np.ma.masked_less(np.ones((4, 8, 3)), 0), F=1)

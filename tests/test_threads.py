@@ -39,6 +39,26 @@ def run(path, **environment):
     return np.load(path)
 
 
+FORK = """
+import os
+from shrm import Environment
+
+env = Environment.daylight(size=16)
+env.coefficients(4)  # starts the threads
+child = os.fork()
+if child == 0:
+    Environment.daylight(size=16).coefficients(4)
+    os._exit(0)
+assert os.waitpid(child, 0)[1] == 0
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+def test_a_forked_child_works():
+    environment = {**os.environ, "OMP_NUM_THREADS": "4"}
+    subprocess.run([sys.executable, "-c", FORK], check=True, env=environment, timeout=60)
+
+
 @pytest.fixture(scope="module")
 def one_thread(tmp_path_factory):
     return run(tmp_path_factory.mktemp("threads") / "one.npz", OMP_NUM_THREADS="1")

@@ -1,4 +1,6 @@
 // The table of contents of shrm._core, in the order the data flows.
+#include <omp.h>
+#include <pthread.h>
 #include <pybind11/pybind11.h>
 
 namespace shrm::bindings {
@@ -12,6 +14,8 @@ void bind_angular(pybind11::module_& module);
 
 PYBIND11_MODULE(_core, module) {
     using namespace shrm::bindings;
+    // A forked child has none of its parent's OpenMP threads, and GNU's library would wait for them for ever.
+    pthread_atfork(nullptr, nullptr, [] { omp_set_num_threads(1); });
     module.doc() =
         "The C++ core of shrm. Use the modules of the package; this one checks memory, not meaning.";
     bind_grid(module);

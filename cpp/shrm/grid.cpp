@@ -8,8 +8,8 @@ namespace shrm {
 
 namespace {
 
-constexpr double most_bend = 1.0 / 32;  // of an edge that is taken as straight, against the width
-constexpr double most_twist = 0.25;     // of a quadrilateral, against its diagonals
+constexpr double most_bend = 1.0 / 32;  // of the edges of a quadrilateral taken as straight, in its widths
+constexpr double most_twist = 0.25;     // from a parallelogram, in diagonals: more means a seam
 constexpr int most_splits = 6;          // of a texel where the other picture has a seam
 constexpr double accuracy = 1e-4;       // of the marginals that is enough
 constexpr double relaxation = 1.5;      // of the fitting: errors that span many texels fall faster
@@ -128,7 +128,8 @@ class Cutter {
             if (same(b) && same(c) && same(d) && same(top) && same(left))
                 return add(cell, (a.density + b.density + c.density + d.density) / 4 * area);
             const Polygon shape{{a.at, b.at, c.at, d.at}, 4};
-            if (straight(shape, bend(a, top, b) + bend(a, left, d)) && whole(corners)) return cross(shape);
+            if (straight(shape, bend(a, top, b) + bend(a, left, d)) && whole(corners))
+                return cut_at_grid(shape);
         }
         const double most = std::max({a.density, b.density, c.density, d.density, top.density, left.density});
         if (most < 0 && depth < most_splits - 1) return;
@@ -166,7 +167,7 @@ class Cutter {
     }
 
     // Cuts a quadrilateral of the other picture at its grid.
-    void cross(const Polygon& quad) {
+    void cut_at_grid(const Polygon& quad) {
         glm::dvec2 low = quad.corner[0], high = low;
         for (std::size_t k = 1; k < 4; ++k) {
             low = glm::min(low, quad.corner[k]);

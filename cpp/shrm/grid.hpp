@@ -6,9 +6,10 @@
 //     L_j = 1/Omega_j sum_i w_ij L_i,    sum_j w_ij = Omega_i,    sum_i w_ij = Omega_j.
 //
 // The first marginal keeps the energy of every source texel, wherever it lies; the second keeps
-// a constant constant. The overlaps are first estimated by samples - of each pair the smaller
-// texel samples itself, so that none is missed, however small or slender - and then fitted to
-// both marginals, which are known exactly, by scaling rows and columns in turn [S67].
+// a constant constant. The overlaps are first estimated by polygons - of each pair the smaller
+// texel, as a quadrilateral of the other picture, is cut at that picture's grid, so that none is
+// missed, however small or slender - and then fitted to both marginals, which are known exactly,
+// by scaling rows and columns in turn [S67].
 #pragma once
 
 #include <cstdint>

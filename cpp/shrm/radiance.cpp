@@ -116,8 +116,8 @@ glm::dvec3 texel_direction(const ReflectionMapView& map, int row, int column) {
     return glm::normalize(cube_direction(row / map.W, centred(column), centred(row % map.W)));
 }
 
-// result (3) += sum over the maps of weight times the interpolated map: the sums of [RH02] eqs. 6 and 7, the
-// weights being Y_pq of the view.
+// result (3) += sum over the maps of weight times the interpolated map: the sum of [RH02] eq. 7 or,
+// if zonal, eq. 6, the weights being Y_pq of the view.
 SHRM_CLONES
 void interpolate(const ReflectionMapView& map, const Stencil& s, const double* weights, float* result) {
     const std::size_t width = size(map.W), ring = size(map.maps()) * 3 * width;

@@ -284,7 +284,8 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
 
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
-    views, K, least = (24, 24, 8) if P <= 3 and L <= 32 else (64, 48, 10)
+    # Low orders need fewer nodes: a fifth of the time for a relative error of 3e-4 in rho_lpq.
+    views, K, least, Q_least = (24, 24, 8, 8) if P <= 3 and L <= 32 else (64, 48, 10, 24)
     # cos^2(theta_v) uniform, as cos(2 theta_v) uniform on [-1, 1]
     x, w = _leggauss(views)
     theta_v, weight = np.arccos(x) / 2, w / 2
@@ -292,7 +293,7 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     gamma = measured if lobe.center == "lobe" else gamma_table(lobe.center)
     at_view = gamma_at(gamma, theta_v)
     nodes = horizon_quadrature(at_view, width, L, K, least)
-    Q = min(L, max(P, 8 if P <= 3 and L <= 32 else 24))
+    Q = min(L, max(P, Q_least))  # beyond P for the energy of all azimuths, which order selection needs
     table = _tabulate(lobe, theta_v, at_view, nodes)
     g, energy = _project(table, nodes, L, Q)
     return LobeAnalysis(lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight)

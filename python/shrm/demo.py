@@ -30,20 +30,22 @@ from shrm.render import (
 from shrm.render.camera import Vector
 
 MATERIALS = {
-    "matt": "lambert:0.75/0.72/0.68",
-    "clay": "0.80/0.45/0.32*microfacet:0.5",
-    "plastic": "lambert:0.03/0.1/0.4+ggx:0.35,0.05",
-    "thread": "0.30/0.16/0.09*kajiya-kay:16",
-    "gold": "ggx:0.35,1.0/0.71/0.29",
-    "copper": "ggx:0.2,0.95/0.64/0.54",
-    "steel": "ggx:0.1,0.62/0.60/0.58",
+    "matt": "lambert:.75/.72/.68",
+    "clay": ".8/.38/.25*microfacet:.4",
+    "thread": ".5/.25/.13*kajiya-kay:16,mirror",
+    "plastic": "lambert:.02/.08/.36+.07*microfacet:.2",
+    "gold": "ggx:.4,1/.71/.29",
+    "steel": "ggx:.1,.62/.6/.58",
 }
 """From Lambert to near-mirror, in the words of `shrm.brdf.parse`."""
 
+TOLERANCE = 0.03
 AMPLIFIED = 16
-SUN_AZIMUTH = 130.0  # over the left shoulder of the camera, which looks along +x
-ROWS = 64  # of the light, so that direct integration takes seconds; the background is finer
-FRAMES = 2000  # random frames (N, V) that the measured error is taken over
+SUN_AZIMUTH, SUN_ELEVATION = 128.0, 38.0  # over the left shoulder of the camera, which looks along +x
+TURBIDITY = 2.0
+GROUND = (0.32, 0.23, 0.14)
+ROWS = 48  # of the light, so that direct integration takes seconds; the background is finer
+FRAMES = 1600  # random frames (N, V) that the measured error is taken over
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ class Result:
 
 
 def make_demo(
-    folder: Path, diameter: int = 128, progress: Callable[[float], None] | None = None
+    folder: Path, diameter: int = 144, progress: Callable[[float], None] | None = None
 ) -> list[Result]:
     """Write the pictures and the maps of the demonstration.
 
@@ -86,7 +88,7 @@ def make_demo(
     """
     folder.mkdir(parents=True, exist_ok=True)
     say = progress or (lambda done: None)
-    env = Environment.daylight(sun_azimuth=SUN_AZIMUTH, size=ROWS)
+    env = daylight(ROWS)
 
     frequency: list[Reflection] = []
     integrated: list[Reflection] = []
@@ -94,7 +96,7 @@ def make_demo(
     for index, (name, text) in enumerate(MATERIALS.items()):
         brdf = parse(text)
         start = time.perf_counter()
-        rm = prefilter(env, brdf)
+        rm = prefilter(env, brdf, tolerance=TOLERANCE)
         milliseconds = 1e3 * (time.perf_counter() - start)
         rm.save(folder / f"{name}.exr")
         reference = prefilter_angular(env, brdf, tolerance=1e-3)
@@ -104,21 +106,28 @@ def make_demo(
         integrated.append(reference)
         say(0.4 * (index + 1) / len(MATERIALS))
 
-    sky = Environment.daylight(sun_azimuth=SUN_AZIMUTH)
+    sky = daylight(512)
     spheres = draw(frequency, sky, diameter, lambda done: say(0.4 + 0.1 * done))
     judged = draw(integrated, sky, diameter, lambda done: say(0.5 + 0.5 * done))
     exposure = automatic_exposure(judged.radiance, judged.coverage)
     difference = np.abs(spheres.radiance - judged.radiance)
-    orders = [f"{row.name}: F = {row.F}, P = {row.P}" for row in results]
-    errors = [f"{row.name}: {row.measured:.1%}" for row in results]
+    orders = [f"F = {row.F}, P = {row.P}" for row in results]
+    errors = [f"{row.measured:.1%}" for row in results]
     for file, light, captions in (
         ("spheres", spheres.radiance, orders),
-        ("integrated", judged.radiance, list(MATERIALS)),
+        ("integrated", judged.radiance, ["integrated"] * len(results)),
         ("difference", difference, errors),
-        (f"difference-x{AMPLIFIED}", AMPLIFIED * difference, [f"{AMPLIFIED} x {text}" for text in errors]),
+        (f"difference-x{AMPLIFIED}", AMPLIFIED * difference, [f"{text}, x {AMPLIFIED}" for text in errors]),
     ):
         write_image(folder / f"{file}.png", labelled(display(light, exposure), captions, diameter))
     return results
+
+
+def daylight(rows: int) -> Environment:
+    """Return the demonstration's light."""
+    return Environment.daylight(
+        sun_elevation=SUN_ELEVATION, sun_azimuth=SUN_AZIMUTH, turbidity=TURBIDITY, albedo=GROUND, size=rows
+    )
 
 
 def draw(
@@ -133,36 +142,72 @@ def draw(
 
 
 def row_of(count: int, diameter: int) -> tuple[int, int, Camera, list[Vector]]:
-    """Width and height of the picture, the camera, and the spheres' centres."""
+    """Width and height of the picture, the camera, and the spheres' centres.
+
+    There is room for captions below; the camera looks up, so that the ground behind them ends there.
+    """
     width, height = row_picture(count, diameter)
-    return width, height, *row_camera(count, width / height, elevation=0.5, fov=40.0)
+    height += round(0.4 * diameter)
+    return width, height, *row_camera(count, width / height, elevation=-3.0, fov=36.0)
 
 
 def labelled(pixels: npt.NDArray[np.uint8], captions: list[str], diameter: int) -> npt.NDArray[np.uint8]:
-    """Write a caption below each sphere of a row."""
+    """Write each material's name and a caption below its sphere."""
     width, height, camera, centers = row_of(len(captions), diameter)
+    columns = camera.project(centers, width, height)[0]
     size = diameter // 10
-    for caption, column in zip(captions, camera.project(centers, width, height)[0], strict=True):
-        pixels = draw_text(pixels, caption, round(column), height - size // 2, size)
+    for name, caption, column in zip(MATERIALS, captions, columns, strict=True):
+        pixels = draw_text(pixels, name, round(column), height - 2 * size, size)
+        pixels = draw_text(pixels, caption, round(column), height - 3 * size // 4, size - size // 5)
     return pixels
 
 
 def relative_rms(a: Reflection, b: Reflection, about_tangent: bool) -> float:
     """Relative RMS difference of a from b over random frames.
 
-    The measure is the one that predicted errors use: N uniform on the sphere and cos^2 of the view's
-    angle to it uniform; about the tangent, T and V uniform and independent.
+    The measure is the one that predicted errors use: R uniform on the sphere and cos^2 of the view's
+    angle to N uniform; about the tangent, T and V uniform and independent. Under a sun, a few frames hold
+    most of the light: those that reflect the sun and those that graze. They are drawn more often, and
+    weighted by the measure over the density that they are drawn with.
     """
     rng = np.random.default_rng(1)
-    axes, around = (unit(rng.normal(size=(FRAMES, 3))) for _ in range(2))
-    sideways = unit(around - np.sum(around * axes, axis=1, keepdims=True) * axes)
-    cosine = rng.uniform(-1.0, 1.0, FRAMES) if about_tangent else np.sqrt(rng.uniform(0.0, 1.0, FRAMES))
-    views = cosine[:, None] * axes + np.sqrt(1.0 - cosine**2)[:, None] * sideways
-    normals, tangents = (sideways, axes) if about_tangent else (axes, sideways)
+    around = unit(rng.normal(size=(FRAMES, 3)))
+    if about_tangent:
+        tangents = unit(rng.normal(size=(FRAMES, 3)))
+        views, weights = around, np.ones(FRAMES)
+        normals = unit(views - np.sum(views * tangents, axis=1, keepdims=True) * tangents)
+    else:
+        # cos^2 = t^4, t uniform: the measure d(cos^2) is 4 t^3 dt.
+        t = (rng.permutation(FRAMES) + rng.uniform(size=FRAMES)) / FRAMES
+        cosine = t[:, None] ** 2
+        reflections, weights = directions_near_the_sun(rng)
+        weights *= 4.0 * t**3
+        tangents = unit(np.cross(reflections, around))
+        sideways = np.cross(tangents, reflections)
+        normals = cosine * reflections + np.sqrt(1.0 - cosine**2) * sideways
+        views = 2.0 * cosine * normals - reflections
     light = [
         x.radiance(single(normals), single(views), tangents=single(tangents)).astype(float) for x in (a, b)
     ]
-    return float(np.sqrt(np.sum((light[0] - light[1]) ** 2) / np.sum(light[1] ** 2)))
+    difference = weights @ np.sum((light[0] - light[1]) ** 2, axis=1)
+    return float(np.sqrt(difference / (weights @ np.sum(light[1] ** 2, axis=1))))
+
+
+def directions_near_the_sun(
+    rng: np.random.Generator,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Unit vectors (FRAMES, 3), half uniform and half within 30 degrees of the sun, and their weights."""
+    elevation, azimuth = np.radians([SUN_ELEVATION, SUN_AZIMUTH])
+    across = np.cos(elevation)
+    sun = np.array([across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)])
+    rim = np.cos(np.radians(30.0))
+    lowest = np.where(np.arange(FRAMES) % 2, rim, -1.0)
+    cosine = lowest + (1.0 - lowest) * rng.uniform(size=FRAMES)
+    sideways = unit(np.cross(sun, unit(rng.normal(size=(FRAMES, 3)))))
+    directions = cosine[:, None] * sun + np.sqrt(1.0 - cosine**2)[:, None] * sideways
+    # Uniform is 1/2 per unit of the cosine; the mixture is 1/4, and 1 / (2 (1 - rim)) more in the cap.
+    density = 0.25 + np.where(cosine >= rim, 0.5 / (1.0 - rim), 0.0)
+    return directions, 0.5 / density
 
 
 def unit(vectors: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

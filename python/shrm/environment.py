@@ -40,12 +40,12 @@ class Environment:
     ----------
     pixels : (H, W, 3) floating-point array
         Linear Rec. 709 radiance, finite, H >= 2 and W >= 4; W = 2 H is usual but not needed. Black and
-        negative values are allowed. Kept as float32.
+        negative values are allowed. Kept as float32, a copy if the array can be written to.
 
     Raises
     ------
     TypeError
-        pixels is not an array of floating-point numbers.
+        pixels is not an array of floating-point numbers, or is a masked one.
     ValueError
         It has another shape, or texels that are NaN or infinite (in float32).
 
@@ -60,6 +60,8 @@ class Environment:
         if not isinstance(pixels, np.ndarray) or not np.issubdtype(pixels.dtype, np.floating):
             kind = pixels.dtype if isinstance(pixels, np.ndarray) else type(pixels).__name__
             raise TypeError(f"pixels must be an array of floating-point numbers, but is {kind}")
+        if isinstance(pixels, np.ma.MaskedArray):
+            raise TypeError("pixels must be a plain array, but is masked: fill what is masked first")
         if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.shape[0] < 2 or pixels.shape[1] < 4:
             raise ValueError(
                 f"pixels must have shape (H, W, 3) with H >= 2 and W >= 4, but have {pixels.shape}"
@@ -73,6 +75,9 @@ class Environment:
             raise ValueError(
                 f"pixels has {count} texels that are NaN or infinite, the first at row {row}, column {column}"
             )
+        # The coefficients are kept: what they were taken from must not change.
+        if pixels.flags.writeable and np.may_share_memory(values, pixels):
+            values = values.copy()
         self._pixels = values.view()
         self._pixels.flags.writeable = False
         self._coefficients: npt.NDArray[np.float64] | None = None
@@ -130,9 +135,9 @@ class Environment:
                 layout = layout or layouts.recognise(pixels.shape[0], pixels.shape[1], image.layout)
             height, width = pixels.shape[:2]
             if layout == "latlong":
-                return cls(pixels)
+                return cls(_read_only(pixels))
             rows = layouts.size_like("latlong", layout, height, width)
-            return cls(layouts.convert(pixels, layout, "latlong", rows))
+            return cls(_read_only(layouts.convert(pixels, layout, "latlong", rows)))
         except image_io.ImageError:
             raise
         except ValueError as error:
@@ -216,12 +221,12 @@ class Environment:
         """
         turn = rotation("R", R)
         shape = (self._pixels.shape[0], self._pixels.shape[1])
-        return Environment(layouts.convert(self._pixels, "latlong", "latlong", shape, turn))
+        return Environment(_read_only(layouts.convert(self._pixels, "latlong", "latlong", shape, turn)))
 
     def resized(self, H: int, W: int) -> Environment:
-        """Return the environment as H x W texels, H >= 2 and W >= 4, area-exactly."""
-        shape = (whole_number("H", H, 2), whole_number("W", W, 4))
-        return Environment(layouts.convert(self._pixels, "latlong", "latlong", shape))
+        """Return the environment as H x W texels, H >= 2 and W >= 4, at most 65536, area-exactly."""
+        shape = (whole_number("H", H, 2, 65536), whole_number("W", W, 4, 65536))
+        return Environment(_read_only(layouts.convert(self._pixels, "latlong", "latlong", shape)))
 
     def coefficients(self, F: int) -> npt.NDArray[np.float64]:
         """Return the spherical harmonic coefficients of the radiance, texels taken as areas.
@@ -229,7 +234,7 @@ class Environment:
         Parameters
         ----------
         F : int
-            The largest degree, >= 0.
+            The largest degree, 0 to 1000.
 
         Returns
         -------
@@ -239,11 +244,15 @@ class Environment:
         Raises
         ------
         TypeError, ValueError
-            F is negative.
+            F is no such number, or the radiance is so large that its integrals overflow.
         """
-        count = (whole_number("F", F, 0) + 1) ** 2
+        count = (whole_number("F", F, 0, 1000) + 1) ** 2
         if self._coefficients is None or len(self._coefficients) < count:
-            self._coefficients = _core.analysis(pixels=self._pixels, F=int(F), areas=True)
+            found = _core.analysis(pixels=self._pixels, F=int(F), areas=True)
+            if not np.isfinite(found).all():
+                largest = np.abs(self._pixels).max()
+                raise ValueError(f"pixels of up to {largest:.3g} are too large: their integrals overflow")
+            self._coefficients = found
         result: npt.NDArray[np.float64] = self._coefficients[:count].copy()
         return result
 
@@ -310,6 +319,12 @@ class Environment:
         if whole_number("size", size, 2) % 2:
             raise ValueError(f"size must be even, got {size}")
         return cls(daylight.daylight_pixels(sun_elevation, sun_azimuth, turbidity, ground, size))
+
+
+def _read_only(pixels: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Give up writing to an array of one's own, so that it is kept without a copy."""
+    pixels.flags.writeable = False
+    return pixels
 
 
 def _basis(n: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.brdf import BRDF
-from shrm.brdf.lobe import Center
+from shrm.brdf.lobe import Center, IsotropicLobe, RadialLobe
 from shrm.brdf_analysis import LobeAnalysis
 from shrm.environment import Environment
 from shrm.orders import (
@@ -38,6 +38,9 @@ from shrm.validation import one_of, whole_number
 
 FloatArray = npt.NDArray[np.float64]
 Window = Literal["hann", "lanczos"]
+
+MAX_BYTES = 4 << 30
+"""What the maps, or their coefficients, of one lobe may take."""
 
 _SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)
 
@@ -98,7 +101,7 @@ def prefilter(
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type or out of its range.
+        If an argument is of another type or out of its range, or the maps would take more than 4 GiB.
     """
     if not isinstance(env, Environment):
         raise TypeError(f"env must be an Environment, got {type(env).__name__}")
@@ -118,11 +121,13 @@ def prefilter(
     if orders is None:
         chosen = choose(brdf, tolerance, criterion, env, F_max=F_max, P_max=P_max)
         lobe_orders = [(lobe.F, lobe.P) for lobe in chosen.lobes]
-        lobes = analysed(brdf, analysis_degree(max(F for F, _ in lobe_orders), F_max), P_max)
+        L, most = analysis_degree(max(F for F, _ in lobe_orders), F_max), P_max
     else:
-        F, P = _pair(orders)
-        lobes = analysed(brdf, F, P)
-        lobe_orders = [(F, 0 if lobe.kind == "radial" else P) for lobe in lobes]
+        L, most = _pair(orders)
+        lobe_orders = [(L, 0 if isinstance(lobe, RadialLobe) else most) for lobe in brdf.lobes]
+    for lobe, (F, P) in zip(brdf.lobes, lobe_orders, strict=True):
+        _require_memory(F, P, not isinstance(lobe, IsotropicLobe), size, layout)
+    lobes = analysed(brdf, L, most)
 
     windows = [degree_window(window, F) for F, _ in lobe_orders]
     light = env.coefficients(max(F for F, _ in lobe_orders))
@@ -218,6 +223,20 @@ def _unsampled(lobe: LobeAnalysis, light: FloatArray, F: int, P: int, window: Fl
         rho=np.ascontiguousarray(np.broadcast_to(rho, (*rho.shape[:3], 3))),
         rings=np.zeros((0, P + 1 if zonal else (P + 1) ** 2, 3, 0), dtype=np.float32),
     )
+
+
+def _require_memory(F: int, P: int, zonal: bool, size: int | None, layout: Layout) -> None:
+    """Raise ValueError if a lobe's maps or coefficients are larger than MAX_BYTES."""
+    maps = P + 1 if zonal else (P + 1) ** 2
+    coefficients = 8 * 3 * maps * (F + 1 if zonal else F + P + 1) ** 2
+    texels = 0 if size is None else size * size * (2 if layout == "latlong" else 6)
+    largest = max(coefficients, 4 * 3 * maps * texels)
+    if largest > MAX_BYTES:
+        at = "" if size is None else f" and size {size}"
+        raise ValueError(
+            f"orders ({F}, {P}){at} take {largest / 2**30:.1f} GiB, over the limit of {MAX_BYTES >> 30} GiB: "
+            "lower them"
+        )
 
 
 def _pair(orders: tuple[int, int]) -> tuple[int, int]:

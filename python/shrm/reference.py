@@ -4,8 +4,8 @@
 sum in float64 numpy, without a table, for whoever wants an answer to trust. Neither uses spherical harmonics.
 Both hold the environment constant over each texel.
 
-The method and its cost: Ramamoorthi & Hanrahan, "Frequency Space Environment Map Rendering", ACM TOG 21(3),
-2002 ([RH02]), sections 6 and 7.4, appendix D.
+The method and its cost (eq. 10, against eq. 9 in frequency space): Ramamoorthi & Hanrahan, "Frequency Space
+Environment Map Rendering", ACM TOG 21(3), 2002 ([RH02]), sections 6 and 7.4, table 3, appendix D.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ def integrate(
                 wi = nodes[start : start + _CHUNK] @ frame
                 rho = lobe.transfer(wi, wo[: len(wi)])
                 light = power[start : start + _CHUNK]
-                # [RH02] eqs. 1 and 2, with eq. 3 for a view given in the world's frame
+                # [RH02] eq. 1 in the form of eq. 2; the view comes from the world's frame, eq. 3
                 result[k] += rho @ light if rho.ndim == 1 else np.einsum("nc,nc->c", rho, light)
     return result
 

@@ -106,7 +106,10 @@ def load(path: str | Path) -> ReflectionMap:
             f"{path}: a reflection map of version {about['shrm:version']}, this reads version {VERSION}"
         )
     try:
-        parts = tuple(_part(images, k) for k in range(_number(about, "shrm:lobes")))
+        lobes = _number(about, "shrm:lobes")
+        if lobes < 1:
+            raise ValueError(f"shrm:lobes = {lobes}")
+        parts = tuple(_part(images, k) for k in range(lobes))
         error = float(cast(float, about["shrm:error"]))
         window = str(about["shrm:window"])
         return ReflectionMap(
@@ -117,7 +120,7 @@ def load(path: str | Path) -> ReflectionMap:
             bool(about["shrm:clamp"]),
             lambda: error,
         )
-    except (KeyError, ValueError, TypeError, IndexError) as fault:
+    except (KeyError, ValueError, TypeError, IndexError, OverflowError) as fault:
         raise ImageError(f"{path}: a damaged reflection map ({fault})") from fault
 
 
@@ -145,12 +148,12 @@ def _part(images: Mapping[str, image_io.Part], k: int) -> Part:
     part = Part(
         cast(Center, center), gamma, zonal, cast(Layout, layout), light, rho, maps.transpose(0, 2, 3, 1)
     )
+    if not np.isfinite(picture.pixels).all():
+        raise ValueError("maps that are not finite")
     if layout == "cube":
         return _bordered(part, maps)
     if rows % 2 or columns != 2 * rows:
         raise ValueError(f"lat-long maps of {columns} x {rows} texels")
-    if not np.isfinite(picture.pixels).all():
-        raise ValueError("maps that are not finite")
     return Part(part.center, gamma, zonal, "latlong", light, rho, np.ascontiguousarray(part.rings))
 
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Literal
 
@@ -121,7 +121,7 @@ class Part:
         if not self.zonal:
             return _core.global_coefficients(light=self.light, rho=self.rho)
         l = np.repeat(np.arange(self.F + 1), 2 * np.arange(self.F + 1) + 1)
-        # [RH02] eqs. 5 and 14 at q = 0: B_p0 = sum_lm L_lm rho_lp0 d^l_m0 e^{i m beta}, and
+        # [RH02] eq. 5 and eq. 14 at q = 0: B_p0 = sum_lm L_lm rho_lp0 d^l_m0 e^{i m beta}, and
         # d^l_m0 e^{i m beta} = Lambda_l Y_lm with Lambda_l = sqrt(4 pi / (2l+1))
         return np.asarray(
             self.light[:, None, :] * (np.sqrt(4 * np.pi / (2 * l + 1))[:, None, None] * self.rho[l, :, 0])
@@ -350,6 +350,10 @@ class ReflectionMap:
         from shrm.reflection_file import load
 
         return load(path)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Return what is pickled: the error itself in place of how it is predicted."""
+        return {**self.__dict__, "predict": partial(float, self.error)}
 
     def __repr__(self) -> str:
         return f"<ReflectionMap {self.brdf}: F={self.F} P={self.P} {self.layout} {self.parts[0].size}>"

@@ -107,6 +107,8 @@ def real_array(name: str, value: npt.ArrayLike) -> FloatArray:
         raise TypeError(f"{name} must be an array of real numbers, got rows of unequal length") from None
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name} must be an array of real numbers, got dtype {array.dtype}")
+    if isinstance(value, np.ma.MaskedArray):
+        raise TypeError(f"{name} must be a plain array, got a masked one: fill what is masked first")
     array = np.asarray(array, dtype=np.float64)
     bad = np.argwhere(~np.isfinite(array))
     if len(bad):

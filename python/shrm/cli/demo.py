@@ -26,35 +26,21 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="folder to write (default demo)",
     )
     command.add_argument(
-        "--size", type=whole, default=128, metavar="N", help="pixels across a sphere (default 128)"
+        "--size", type=whole, default=144, metavar="N", help="pixels across a sphere (default 144)"
     )
 
 
 def run(options: argparse.Namespace) -> None:
     """Make the folder and print the table."""
-    from rich.box import SIMPLE_HEAD
-    from rich.console import Console
-    from rich.table import Table
-
     from shrm.demo import make_demo
 
     with progress("Prefiltering and drawing") as report:
         rows = make_demo(options.output, options.size, report)
 
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    table.add_column("sphere")
-    table.add_column("material", no_wrap=True)
-    for title in ("F", "P", "predicted", "measured", "ms"):
-        table.add_column(title, justify="right")
+    print(f"{'':8}{'material':39}{'F':>3}{'P':>3}{'predicted':>10}{'measured':>9}{'ms':>6}")
     for row in rows:
-        table.add_row(
-            row.name,
-            row.material,
-            str(row.F),
-            str(row.P),
-            f"{row.predicted:.2%}",
-            f"{row.measured:.2%}",
-            f"{row.milliseconds:.0f}",
+        print(
+            f"{row.name:8}{row.material:39}{row.F:3}{row.P:3}"
+            f"{row.predicted:10.2%}{row.measured:9.2%}{row.milliseconds:6.0f}"
         )
-    Console().print(table)
     print(f"{options.output}: spheres.png, integrated.png, difference.png, difference-x16.png and the maps")

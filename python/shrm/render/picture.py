@@ -49,7 +49,7 @@ class Object:
     shape : Shape
     material : Reflection
     texture : (H, W, 3) float32, optional
-        Linear; multiplies the reflected light [RH02 sec. 9]. (u, v) = (0, 1) is its upper left corner.
+        Linear; multiplies the reflected light [RH02 sec. 3]. (u, v) = (0, 1) is its upper left corner.
     axis : 3 floats
         Tangents, which only materials centred on them use, run around this axis.
     """

@@ -58,15 +58,21 @@ class Sphere:
         """First hits of rays with (n, 3) origins and unit directions."""
         offsets = origins - np.asarray(self.center)
         nearest = -np.einsum("nk,nk->n", offsets, directions)  # to the point nearest the centre
+        distances = np.full(len(directions), np.inf)
+        normals, uv = np.zeros((len(directions), 3)), np.zeros((len(directions), 2))
+
+        # Only rays whose line comes near enough go on; the exact test, of vectors, is below.
+        squared = np.einsum("nk,nk->n", offsets, offsets)
+        hit = np.flatnonzero(squared - nearest**2 < self.radius**2 + 1e-9 * squared)
+        offsets, directions, nearest = offsets[hit], directions[hit], nearest[hit]
         across = offsets + nearest[:, None] * directions
         half_chord = np.sqrt(np.maximum(self.radius**2 - np.einsum("nk,nk->n", across, across), 0.0))
-        inside = np.einsum("nk,nk->n", offsets, offsets) < self.radius**2
-        distances = np.where(inside, nearest + half_chord, nearest - half_chord)
-        distances = np.where((half_chord > 0.0) & (distances > 0.0), distances, np.inf)
+        inside = squared[hit] < self.radius**2
+        reached = np.where(inside, nearest + half_chord, nearest - half_chord)
+        outward = (offsets + reached[:, None] * directions) / self.radius
 
-        reached = np.where(np.isfinite(distances), distances, 0.0)[:, None]
-        outward = (offsets + reached * directions) / self.radius
-        u = 0.5 + np.arctan2(outward[:, 1], outward[:, 0]) / (2.0 * np.pi)
-        v = 1.0 - np.arccos(np.clip(outward[:, 2], -1.0, 1.0)) / np.pi
-        normals = np.where(inside[:, None], -outward, outward)
-        return Hits(distances, normals, np.stack([u, v], axis=1))
+        distances[hit] = np.where((half_chord > 0.0) & (reached > 0.0), reached, np.inf)
+        normals[hit] = np.where(inside[:, None], -outward, outward)
+        uv[hit, 0] = 0.5 + np.arctan2(outward[:, 1], outward[:, 0]) / (2.0 * np.pi)
+        uv[hit, 1] = 1.0 - np.arccos(np.clip(outward[:, 2], -1.0, 1.0)) / np.pi
+        return Hits(distances, normals, uv)
