@@ -116,6 +116,39 @@ def test_prefilter_reaches_a_tolerance(shrm: Command, sky: Path, tmp_path: Path)
     assert rm.at_view((0.0, 0.0, 1.0)).shape[:2] == (6, 16)
 
 
+def test_prefilter_takes_its_choices(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    path = tmp_path / "map.exr"
+    choices = ("--center", "reflection", "--criterion", "brdf", "--window", "hann", "--clamp")
+    orders = ("--tolerance", "0.01", "--max-orders", "5,2")
+    status, _, err = shrm("prefilter", sky, "--brdf", "ggx:0.3", *choices, *orders, "-o", path)
+    assert status == 0
+    assert "warning: " in err  # the tolerance is not met within the largest orders
+    rm = ReflectionMap.load(path)
+    assert rm.F <= 5
+    assert rm.P <= 2
+    assert [part.center for part in rm.parts] == ["reflection"]
+    assert (rm.criterion, rm.window, rm.clamp) == ("brdf", "hann", True)
+
+
+def test_a_saved_map_draws_the_picture_of_its_material(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    saved, pictures = tmp_path / "map.exr", [tmp_path / "material.exr", tmp_path / "map-drawn.exr"]
+    orders = ("--orders", "6,2")
+    assert shrm("prefilter", sky, "--brdf", "ggx:0.4", *orders, "-o", saved)[0] == 0
+    row = ("--env", sky, "--brdf", "lambert:0.5", *orders, "--size", "64x32", "--samples", 1)
+    assert shrm("render", *row, "--brdf", "ggx:0.4", "-o", pictures[0])[0] == 0
+    assert shrm("render", *row, "--map", saved, "-o", pictures[1])[0] == 0
+    made, loaded = (read_image(path).pixels for path in pictures)
+    # A file's maps are those in memory; its angles between C and N are float32, 1e-7 radians apart.
+    np.testing.assert_allclose(loaded, made, rtol=1e-5, atol=1e-6)
+
+
+def test_a_map_that_is_none(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    status, _, err = shrm("render", "--map", sky, "-o", tmp_path / "out.png")
+    assert status == 1
+    assert f"{sky}: no reflection map" in one_line(err)
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("method", ["shrm", "angular"])
 def test_render_draws_a_row(shrm: Command, sky: Path, tmp_path: Path, method: str) -> None:
     path = tmp_path / "row.exr"
@@ -333,6 +366,22 @@ def test_texels_that_are_not_finite(shrm: Command, tmp_path: Path) -> None:
         ("prefilter", "SKY", "--brdf", "lambert:1", "--orders", "3", "-o", "OUT.exr"),
         ("prefilter", "SKY", "--brdf", "lambert:1", "--orders", "3,2", "--tolerance", "0.1", "-o", "OUT.exr"),
         ("prefilter", "SKY", "--brdf", "lambert:1", "--size", "0", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--center", "tangent", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--criterion", "taste", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--window", "hamming", "-o", "OUT.exr"),
+        ("prefilter", "SKY", "--brdf", "lambert:1", "--max-orders", "9", "-o", "OUT.exr"),
+        (
+            "prefilter",
+            "SKY",
+            "--brdf",
+            "lambert:1",
+            "--max-orders",
+            "9,2",
+            "--orders",
+            "3,2",
+            "-o",
+            "OUT.exr",
+        ),
         ("prefilter", "SKY", "--brdf", "lambert:1", "-o", "OUT.png"),
         ("render", "--env", "SKY", "-o", "OUT.png"),
         ("render", "--env", "SKY", "--brdf", "lambert:1", "-o", "OUT.gif"),

@@ -9,7 +9,15 @@ import argparse
 import time
 
 from shrm.cli.console import progress
-from shrm.cli.options import add_environment, add_orders, add_output, parse_brdf, read_environment, whole
+from shrm.cli.options import (
+    add_environment,
+    add_orders,
+    add_output,
+    orders,
+    parse_brdf,
+    read_environment,
+    whole,
+)
 
 EXAMPLE = "shrm prefilter grace.hdr --brdf ggx:alpha=0.2,f0=0.04 --tolerance 0.02 -o grace-ggx.exr"
 
@@ -23,14 +31,41 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--layout", choices=("latlong", "cube"), default="latlong", help="layout of the map (default latlong)"
     )
+    command.add_argument(
+        "--center",
+        choices=("lobe", "reflection", "normal"),
+        help="direction that lobes are expanded about: the lobe's mean, the reflected view (as in the paper),"
+        " or the normal (default: what suits the material; lobes symmetric about their own centre keep it)",
+    )
+    command.add_argument(
+        "--criterion",
+        choices=("light", "brdf", "minimum", "bound"),
+        default="light",
+        help="what the tolerance measures: the reflected light (default), the energy of the material that"
+        " the orders leave out, the smaller of that and the energy of the environment, or an upper bound",
+    )
+    command.add_argument(
+        "--max-orders",
+        type=orders,
+        metavar="F,P",
+        help="the largest orders that the tolerance may take, such as 60,8",
+    )
+    command.add_argument(
+        "--window", choices=("hann", "lanczos"), help="damp the high degrees against ringing (default: no)"
+    )
+    command.add_argument("--clamp", action="store_true", help="mark the map: negative light reads as zero")
     add_output(command, ".exr")
 
 
 def run(options: argparse.Namespace) -> None:
     """Read, prefilter, save."""
+    from shrm.orders import F_MAX, P_MAX
     from shrm.prefiltering import prefilter
 
+    if options.max_orders is not None and options.orders is not None:
+        raise argparse.ArgumentError(None, "argument --max-orders: not allowed with argument --orders")
     brdf = parse_brdf(options.brdf)
+    F_max, P_max = options.max_orders or (F_MAX, P_MAX)
     with progress("Reading the environment"):
         env = read_environment(options)
     start = time.perf_counter()
@@ -42,6 +77,12 @@ def run(options: argparse.Namespace) -> None:
             orders=options.orders,
             size=options.size,
             layout=options.layout,
+            criterion=options.criterion,
+            center=options.center,
+            F_max=F_max,
+            P_max=P_max,
+            window=options.window,
+            clamp=options.clamp,
         )
         seconds = time.perf_counter() - start
         rm.save(options.output)

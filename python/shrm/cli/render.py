@@ -1,7 +1,8 @@
 """Draw spheres or a mesh, made of one or several materials and lit by an environment.
 
-Every --brdf adds an object to a row. A .png is multiplied by 2^exposure, clipped at white and
-encoded by the sRGB curve; an .exr is linear. There are no shadows and no interreflection.
+Every --brdf, and every --map that `shrm prefilter` saved, adds an object to a row. A .png is
+multiplied by 2^exposure, clipped at white and encoded by the sRGB curve; an .exr is linear. There
+are no shadows and no interreflection.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from shrm.cli.options import (
 if TYPE_CHECKING:
     from shrm.brdf import BRDF
     from shrm.environment import Environment
+    from shrm.reflection_map import ReflectionMap
     from shrm.render import Reflection
 
 EXAMPLE = "shrm render --env grace.hdr --brdf lambert:0.8 --brdf ggx:0.1 --mesh bunny.ply -o bunnies.png"
@@ -35,7 +37,23 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     add = command.add_argument
     add_environment(command, flag=True, layout_flags=("--layout", "--env-layout"))
-    add("--brdf", action="append", required=True, metavar="B", help="material; repeat for a row of objects")
+    add(
+        "--brdf",
+        dest="row",
+        action="append",
+        type=lambda text: ("brdf", text),
+        metavar="B",
+        help="material; repeat for a row of objects",
+    )
+    add(
+        "--map",
+        dest="row",
+        action="append",
+        type=lambda text: ("map", text),
+        metavar="FILE",
+        help="reflection map (.exr) saved by `shrm prefilter`, in place of a material; repeat for a row of"
+        " objects (--env is then only what is seen behind them)",
+    )
     add_orders(command)
     add("--method", choices=("shrm", "angular"), default="shrm", help="how to prefilter (default shrm)")
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
@@ -83,20 +101,22 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Prefilter each material, draw, write."""
     from shrm import image_io
+    from shrm.brdf import BRDF
     from shrm.render import Mesh, Object, Sphere, render, row_camera, row_picture, write_picture
 
-    materials = [parse_brdf(text) for text in options.brdf]
+    if options.row is None:
+        raise argparse.ArgumentError(None, "needs a --brdf or a --map")
+    row = [saved(text) if kind == "map" else parse_brdf(text) for kind, text in options.row]
     env = read_environment(options)
     mesh = None if options.mesh is None else Mesh.read(options.mesh, up=options.up)
     texture = None if options.texture is None else image_io.read_image(options.texture).pixels
 
-    width, height = options.size or row_picture(len(materials), diameter=320)
+    width, height = options.size or row_picture(len(row), diameter=320)
     azimuth, elevation = options.view
-    camera, centers = row_camera(len(materials), width / height, azimuth, elevation, options.fov)
+    camera, centers = row_camera(len(row), width / height, azimuth, elevation, options.fov)
     objects = []
-    for brdf, center in zip(materials, centers, strict=True):
-        with progress(f"Prefiltering with {brdf.name}"):
-            reflection = prefiltered(env, brdf, options)
+    for material, center in zip(row, centers, strict=True):
+        reflection = prefiltered(env, material, options) if isinstance(material, BRDF) else material
         shape = Sphere(center) if mesh is None else mesh.placed(center, turn=options.turn)
         objects.append(Object(shape, reflection, texture))
 
@@ -116,12 +136,20 @@ def run(options: argparse.Namespace) -> None:
     print(f"{options.output}: {width} x {height}, {said}")
 
 
+def saved(path: str) -> ReflectionMap:
+    """Read a reflection map that `shrm prefilter` wrote."""
+    from shrm.reflection_map import ReflectionMap
+
+    return ReflectionMap.load(path)
+
+
 def prefiltered(env: Environment, brdf: BRDF, options: argparse.Namespace) -> Reflection:
     """Prefilter by the method that the options name."""
-    if options.method == "angular":
-        from shrm.reference import prefilter_angular
+    with progress(f"Prefiltering with {brdf.name}"):
+        if options.method == "angular":
+            from shrm.reference import prefilter_angular
 
-        return prefilter_angular(env, brdf)
-    from shrm.prefiltering import prefilter
+            return prefilter_angular(env, brdf)
+        from shrm.prefiltering import prefilter
 
-    return prefilter(env, brdf, tolerance=options.tolerance, orders=options.orders)
+        return prefilter(env, brdf, tolerance=options.tolerance, orders=options.orders)
