@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import oracles
 import pytest
+import shrm
 from numpy.testing import assert_allclose
 from shrm.reference import integrate, prefilter_angular
 from test_angular import environment, isotropic, lambert, material, noise, phong, zonal
@@ -43,14 +44,36 @@ def test_a_material_is_the_sum_of_its_lobes():
 
 
 def test_radiance_and_integrate_agree_from_behind():
-    # Interpolated normals may face away: a view below the horizon sees the other side.
+    # Interpolated normals may face away: two-sided about the reflection, else held at the horizon.
     normals, views = oracles.random_views(20, seed=3)
-    m = material(isotropic(oracles.microfacet(0.3)))
+    m = material(isotropic(oracles.microfacet(0.3), center="reflection"))
     result = prefilter_angular(ENV, m, subsamples=1)
     assert_allclose(result.radiance(-normals, views), result.radiance(normals, views), rtol=1e-6)
-    assert_allclose(
-        result.radiance(-normals, views), integrate(ENV, m, -normals, views), rtol=1e-4, atol=1e-6
-    )
+    for center in ("reflection", "lobe", "normal"):
+        m = material(isotropic(oracles.microfacet(0.3), center=center))
+        result = prefilter_angular(ENV, m, subsamples=1)
+        assert_allclose(
+            result.radiance(-normals, views), integrate(ENV, m, -normals, views), rtol=1e-4, atol=1e-6
+        )
+
+
+@pytest.mark.parametrize("center", ["reflection", "lobe", "normal"])
+def test_reflection_maps_and_integrals_have_one_rule_behind_the_horizon(center):
+    smooth = shrm.Environment(ENV.pixels)
+    ggx = shrm.brdf.GGX(0.5).recentred(center)
+    normals, views = oracles.random_views(40, seed=4)
+    normals = normals - 1.3 * np.sum(normals * views, axis=1, keepdims=True) * views  # N.V < 0
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    cosine = np.sum(normals * views, axis=1, keepdims=True)
+    assert np.all(cosine < 0)
+    if center == "reflection":
+        same_normals, same_views = -normals, views
+    else:  # a hair above the horizon
+        same_normals, same_views = normals, views - (cosine - 1e-6) * normals
+        same_views /= np.linalg.norm(same_views, axis=1, keepdims=True)
+    for reflect in (shrm.prefilter(smooth, ggx, orders=(16, 6)), prefilter_angular(smooth, ggx)):
+        behind = reflect.radiance(normals, views)
+        assert_allclose(behind, reflect.radiance(same_normals, same_views), rtol=2e-3)
 
 
 def normal_for(center, C, view, gamma=None):

@@ -114,8 +114,8 @@ class IsotropicIntegral:
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
         """Reflected radiance; see `LobeIntegral`."""
-        up = towards_view(n, v)
-        return np.asarray(_core.angular_isotropic(**picture, **self._table, normals=up, views=v))
+        n, v = above_horizon(self.center, n, v)
+        return np.asarray(_core.angular_isotropic(**picture, **self._table, normals=n, views=v))
 
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeIntegral`."""
@@ -161,6 +161,15 @@ def bisector(a: Array, b: Array) -> Array:
     return np.asarray(np.cos(half) * b + np.sin(half) * x)
 
 
-def towards_view(n: Array, v: Array) -> Array:
-    """N, or -N where the view is below it."""
-    return np.asarray(np.where(np.einsum("nc,nc->n", n, v)[:, None] < 0, -n, n))
+def above_horizon(center: str, n: Array, v: Array) -> tuple[Array, Array]:
+    """N and V for views below the horizon of N, as reflection maps have them.
+
+    About the reflection -N takes the place of N, which leaves R as it is; about the lobe or the normal V is
+    brought back to the horizon.
+    """
+    cosine = np.einsum("nc,nc->n", n, v)[:, None]
+    if center == "reflection":
+        return np.where(cosine < 0, -n, n), v
+    across = v - cosine * n
+    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
+    return n, np.ascontiguousarray(np.where(cosine < 0, across, v))

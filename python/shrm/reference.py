@@ -20,10 +20,10 @@ from shrm import _core, layouts
 from shrm.lobe_integrals import (
     LobeIntegral,
     RadialIntegral,
+    above_horizon,
     is_radial,
     lobe_integral,
     local_frames,
-    towards_view,
 )
 from shrm.validation import fraction, one_of, real_array, unit_vectors, whole_number
 
@@ -91,8 +91,8 @@ def integrate(
     Returns
     -------
     (n, 3) float64
-        Radiance. A lobe that depends on normal and view is two-sided: where N.V < 0, -N takes the place of N,
-        which leaves the reflection of the view unchanged.
+        Radiance. Where N.V < 0, -N takes the place of N about the reflection, which it leaves as it is; about
+        the lobe or the normal the view is brought back to the horizon.
 
     Raises
     ------
@@ -104,12 +104,11 @@ def integrate(
     nodes, power = _nodes(pixels, whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES))
     result = np.zeros((len(n), 3))
     for lobe in brdf.lobes:
-        if lobe.center == "tangent":
-            frames = local_frames(t, v)
-        else:
-            frames = local_frames(n if is_radial(lobe) else towards_view(n, v), v)
-        for k, frame in enumerate(frames):
-            wo = np.tile(v[k] @ frame, (_CHUNK, 1))
+        axes, seen_from = (t, v) if lobe.center == "tangent" else (n, v)
+        if lobe.center != "tangent" and not is_radial(lobe):
+            axes, seen_from = above_horizon(lobe.center, n, v)
+        for k, frame in enumerate(local_frames(axes, seen_from)):
+            wo = np.tile(seen_from[k] @ frame, (_CHUNK, 1))
             for start in range(0, len(nodes), _CHUNK):
                 wi = nodes[start : start + _CHUNK] @ frame
                 rho = lobe.transfer(wi, wo[: len(wi)])

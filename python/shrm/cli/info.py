@@ -1,7 +1,8 @@
-"""Say what an environment map or a material holds.
+"""Say what an environment map, a reflection map or a material holds.
 
 An environment: its size, its range, its mean radiance, and how its energy is spread over the
-degrees of spherical harmonics. A material: its lobes, its albedo, the orders that it needs.
+degrees of spherical harmonics. A reflection map: its material, orders and error. A material: its
+lobes, its albedo, the orders that it needs.
 """
 
 from __future__ import annotations
@@ -31,7 +32,9 @@ def run(options: argparse.Namespace) -> None:
     """Print what is asked for."""
     if options.env is None and options.brdf is None:
         raise argparse.ArgumentError(None, "needs an environment or --brdf")
-    if options.env is not None:
+    if options.env is not None and is_reflection_map(options.env):
+        print(options.env, *map_lines(options.env), sep="\n")
+    elif options.env is not None:
         with progress("Reading the environment"):
             lines = environment_lines(read_environment(options))
         print(options.env, *lines, sep="\n")
@@ -42,16 +45,43 @@ def run(options: argparse.Namespace) -> None:
         print(brdf.name, *lines, sep="\n")
 
 
+def is_reflection_map(path: str) -> bool:
+    """Whether a file is one that `shrm prefilter` wrote."""
+    from shrm.image_io import ImageError, read_parts
+
+    try:
+        return path.endswith(".exr") and any("shrm:version" in part.metadata for part in read_parts(path))
+    except ImageError:
+        return False  # reading it as an environment says what is wrong
+
+
+def map_lines(path: str) -> list[str]:
+    """What a reflection map holds, a line for each fact."""
+    from shrm.reflection_map import ReflectionMap
+
+    rm = ReflectionMap.load(path)
+    lines = [
+        f"  reflection map of {rm.brdf}",
+        f"  predicted error {rm.error:.2%} ({rm.criterion}), window {rm.window or 'none'}",
+    ]
+    for index, part in enumerate(rm.parts, start=1):
+        lines.append(
+            f"  lobe {index}         about the {part.center}, F = {part.F}, P = {part.P}, "
+            f"{part.rings.shape[1]} maps, {part.layout} {part.size}"
+        )
+    return lines
+
+
 def environment_lines(env: Environment) -> list[str]:
     """What an environment holds, a line for each fact."""
     import numpy as np
 
     H, W = env.pixels.shape[:2]
     luminance = env.pixels.astype(np.float64) @ [0.2126, 0.7152, 0.0722]
-    above = luminance[luminance > 0.0]
     span = f"{luminance.min():.3g} to {luminance.max():.3g}"
-    if above.size:
-        span += f", dynamic range {above.max() / above.min():.2g}"
+    low = np.quantile(luminance, 0.001)  # the darkest texels of photographs are noise
+    if low > 0.0:
+        span += f", dynamic range {luminance.max() / low:.2g} (from the 0.1% quantile)"
 
     edges = np.cos(np.arange(H + 1) * np.pi / H)
     areas = (edges[:-1] - edges[1:]) * 2.0 * np.pi / W

@@ -50,7 +50,7 @@ def display(
     -------
     (H, W, 3 or 4) uint8
     """
-    gain = np.float32(2.0**exposure)
+    gain = np.float32(2.0 ** np.clip(exposure, -100.0, 100.0))  # within float32, whatever is asked for
     if coverage is None:
         shown = srgb(gain * radiance)
     else:
