@@ -68,8 +68,8 @@ class Environment:
             )
         with np.errstate(over="ignore"):
             values = np.ascontiguousarray(pixels, dtype=np.float32)
-        bad = ~np.isfinite(values).all(axis=2)
-        if bad.any():
+        if not np.isfinite(values).all():
+            bad = ~np.isfinite(values).all(axis=2)
             row, column = np.argwhere(bad)[0]
             count = np.count_nonzero(bad)
             raise ValueError(

@@ -141,7 +141,9 @@ def degree_of(coefficients: npt.NDArray[np.generic]) -> int:
 
 
 def _picture(pixels: npt.ArrayLike) -> npt.NDArray[np.float32]:
-    array = real_array("pixels", pixels)
+    # Large pictures of float32 are not taken through float64.
+    is_float32 = type(pixels) is np.ndarray and pixels.dtype == np.float32
+    array = np.asarray(pixels) if is_float32 and np.isfinite(pixels).all() else real_array("pixels", pixels)
     if array.ndim == 2:
         array = array[..., None]
     if array.ndim != 3 or 0 in array.shape:

@@ -110,8 +110,8 @@ def real_array(name: str, value: npt.ArrayLike) -> FloatArray:
     if isinstance(value, np.ma.MaskedArray):
         raise TypeError(f"{name} must be a plain array, got a masked one: fill what is masked first")
     array = np.asarray(array, dtype=np.float64)
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):
+    if not np.isfinite(array).all():
+        bad = np.argwhere(~np.isfinite(array))
         where = tuple(int(k) for k in bad[0])
         raise ValueError(f"{name} must be finite, got {len(bad)} values that are not, the first at {where}")
     return array
