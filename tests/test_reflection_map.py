@@ -177,6 +177,53 @@ def test_white_furnace_gives_the_directional_albedo(material):
     assert errors[-1] < errors[0]
 
 
+@pytest.mark.parametrize(
+    ("material", "transfer"),
+    [
+        (brdf.KajiyaKay(16), oracles.kajiya_kay(16)),
+        (brdf.KajiyaKay(16, cone="mirror"), oracles.kajiya_kay(16, "mirror")),
+        (brdf.Banks(0.2), oracles.banks(0.2)),
+    ],
+)
+def test_white_furnace_about_the_tangent(material, transfer):
+    """The integral of the lobe at each theta_o, within the predicted error, which falls as P grows."""
+    white = Environment(np.ones((32, 64, 3), np.float32))
+    T, N, V = oracles.random_hairs(200, seed=10)
+    expected = oracles.reflected(
+        white.pixels, transfer, N, V, T, frame="tangent", hemisphere=False, subsamples=3
+    )
+    errors = []
+    for P in (1, 2, 4, 8, 12):
+        rm = prefilter(white, material, orders=(4, P))
+        errors.append(oracles.relative_rms(rm.radiance(N, V, T), expected))
+        assert errors[-1] <= 1.25 * rm.error + 1e-4, (P, errors[-1], rm.error)
+    assert errors[-1] < errors[0]
+
+
+def test_white_furnace_of_many_lobes():
+    """Lafortune's lobes and a diffuse one, in three colours: the albedo within the predicted error."""
+    white = Environment(np.ones((32, 64, 3), np.float32))
+    lobes = {
+        "x": [[-1.0, -0.9, -0.8]],
+        "y": [[-1.0, -0.9, -0.8]],
+        "z": [[0.9, 0.8, 0.7]],
+        "exponent": [[9.0, 7, 5]],
+    }
+    material = brdf.Lafortune(**lobes, diffuse=(0.3, 0.2, 0.1))
+    xy, z, exponent = (np.array(lobes[name]) for name in ("x", "z", "exponent"))
+    glossy, matt = oracles.lafortune(xy, z, exponent), oracles.lambert((0.3, 0.2, 0.1))
+    N, V = oracles.random_views(200, seed=11)
+    expected = oracles.reflected(
+        white.pixels, lambda wi, wo: glossy(wi, wo) + matt(wi, wo), N, V, subsamples=3
+    )
+    errors = []
+    for P in (1, 2, 4, 8):
+        rm = prefilter(white, material, orders=(4, P))
+        errors.append(oracles.relative_rms(rm.radiance(N, V), expected))
+        assert errors[-1] <= 1.25 * rm.error + 1e-4, (P, errors[-1], rm.error)
+    assert errors[-1] < errors[0]
+
+
 def test_turning_light_and_geometry_together_changes_nothing():
     """Rotation equivariance in frequency space, to 1e-5; and of the resampled picture, within the error."""
     env = band_limited_environment(8, seed=11)
