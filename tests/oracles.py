@@ -285,7 +285,7 @@ def relative_rms(actual: npt.ArrayLike, expected: npt.ArrayLike, weights: npt.Ar
     return float(np.sqrt(np.sum(w * (a - e) ** 2) / np.sum(w * e**2)))
 
 
-# ---- Models: transfer functions rho_hat(wi, wo), the cosine included; DESIGN of the project, table of models
+# ---- Models: transfer functions rho_hat(wi, wo), the cosine included
 
 
 def _half(wi: Array, wo: Array) -> Array:
