@@ -7,7 +7,8 @@ import oracles
 import pytest
 from scipy import integrate, special
 from shrm import brdf
-from shrm.brdf_analysis import analyse, gamma_at, gamma_table
+from shrm.brdf_analysis import analyse
+from shrm.central_direction import gamma_at, gamma_table
 
 L, P = 24, 6
 

@@ -22,6 +22,8 @@ PYTHON_ORDER = [
     ["daylight"],
     ["environment"],
     ["brdf"],
+    ["lobe_quadrature"],
+    ["central_direction"],
     ["sh"],
     ["brdf_analysis"],
     ["orders"],
@@ -64,7 +66,16 @@ PYTHON_STAGE, CPP_STAGE = stages(PYTHON_ORDER), stages(CPP_ORDER)
 
 # The integrators judge the harmonics, so they may use nothing of them.
 PYTHON_JUDGES = {"lobe_tables", "lobe_integrals", "reference"}
-PYTHON_NEUTRAL = {"_core", "validation", "image_io", "layouts", "environment", "brdf"}
+PYTHON_NEUTRAL = {
+    "_core",
+    "validation",
+    "image_io",
+    "layouts",
+    "environment",
+    "brdf",
+    "lobe_quadrature",
+    "central_direction",
+}
 CPP_JUDGES = {"angular", "angular_texels", "hierarchical"}
 CPP_NEUTRAL = {"core", "quadrature", "layouts", "grid"}
 

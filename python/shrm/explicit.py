@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from shrm import sh
 from shrm.brdf.lobe import Center
-from shrm.brdf_analysis import gamma_table
+from shrm.central_direction import gamma_table
 from shrm.reflection_map import Part, ReflectionMap
 from shrm.validation import one_of, real_array, unit_vectors, whole_number
 

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 import shrm._core as _core
 from shrm import lobe_tables
+from shrm.central_direction import gamma_table
 from shrm.validation import one_of
 
 Array = npt.NDArray[np.float64]
@@ -110,7 +111,7 @@ class IsotropicIntegral:
         self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
         self.width, self.error = table.width, table.error
         self._table: dict[str, Any] = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
-        self._lobe_center = table.lobe_center
+        self._transfer = transfer
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
         """Reflected radiance; see `LobeIntegral`."""
@@ -124,8 +125,9 @@ class IsotropicIntegral:
         if self.center == "reflection":
             return bisector(centers, v)
         # theta_o = theta_v + gamma(theta_v) is monotone: read it backwards.
-        theta_v = lobe_tables.view_nodes()
-        theta_o = np.maximum.accumulate(theta_v + self._lobe_center)
+        gamma = gamma_table("lobe", self._transfer)
+        theta_v = np.linspace(0, np.pi / 2, len(gamma))
+        theta_o = np.maximum.accumulate(theta_v + gamma)
         angle = np.interp(angle_between(centers, v), theta_o, theta_v)
         x = local_frames(v, centers)[:, :, 0]
         return np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * x

@@ -170,8 +170,6 @@ class IsotropicTable:
     caps : (views, 2) float64
         For each view, the lobe's mean direction as an angle from the normal, away from the view, and the
         angle about it within which all but the tolerance of the lobe's integral lies (pi for tolerance 0).
-    lobe_center : (views,) float64
-        gamma(theta_v): the mean direction of rho_hat^2, as an angle from the normal, away from the view.
     width : float
         Angle within which half of the integral lies, for a view at 45 degrees.
     error : float
@@ -181,7 +179,6 @@ class IsotropicTable:
     envelope: npt.NDArray[np.float32]
     ratio: npt.NDArray[np.float32]
     caps: Array
-    lobe_center: Array
     width: float
     error: float
 
@@ -190,7 +187,7 @@ def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
     """Tabulate a lobe in the frame of its normal."""
     envelope = _envelope(transfer)
     light = _light_nodes()
-    planes, caps, centers = [], [], []
+    planes, caps = [], []
     for cos_v in np.cos(view_nodes()):
         rho = _channels_last(transfer(light, _view(cos_v, len(light))))
         plane = rho / _envelope_at(envelope, light, _view(cos_v, len(light)))[:, None]
@@ -198,13 +195,11 @@ def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
         wi, weight = light_quadrature(cos_v)
         value = _channels_last(transfer(wi, _view(cos_v, len(wi))))
         caps.append(_cap(wi, weight * np.abs(value).sum(axis=1), tolerance))
-        centers.append(_mean_angle(wi, weight * np.sum(value**2, axis=1)))
     ratio = _padded(_padded(np.array(planes), axis=2), axis=3)
     table = IsotropicTable(
         envelope=_padded(envelope, axis=0).astype(np.float32),
         ratio=np.ascontiguousarray(ratio.astype(np.float32)),
         caps=np.array(caps),
-        lobe_center=_filled(np.array(centers)),
         width=0.0,
         error=0.0,
     )
@@ -309,15 +304,6 @@ def _cap(wi: Array, energy: Array, left_out: float) -> tuple[float, float]:
     held = np.cumsum(energy[order])
     k = min(int(np.searchsorted(held, (1 - left_out) * held[-1])), len(order) - 1)
     return centre, float(np.arccos(np.clip(cosine[order[k]], -1, 1)))
-
-
-def _filled(values: Array) -> Array:
-    """Views from which the lobe is black take the centre of their neighbours."""
-    known = np.isfinite(values)
-    if not known.any():
-        return np.zeros_like(values)
-    k = np.arange(len(values))
-    return np.interp(k, k[known], values[known])
 
 
 def _isotropic_error(table: IsotropicTable, transfer: Transfer) -> float:

@@ -20,7 +20,8 @@ import numpy.typing as npt
 
 from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center, IsotropicLobe, RadialLobe
-from shrm.brdf_analysis import LobeAnalysis, gamma_at
+from shrm.brdf_analysis import LobeAnalysis
+from shrm.central_direction import gamma_at
 from shrm.environment import Environment
 from shrm.orders import (
     F_MAX,
