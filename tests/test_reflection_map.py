@@ -1,21 +1,15 @@
-"""Reflection maps: local against global, look-ups, rotation, white furnace, conversions, bad input."""
+"""Reflection maps: local against global, integration, look-ups, rotation, bad input."""
 
 import numpy as np
 import oracles
 import pytest
+from light import band_limited_environment
 from scipy.spatial.transform import Rotation
-from shrm import _core, brdf, explicit, layouts, prefilter, sh
+from shrm import _core, brdf, layouts, prefilter, sh
 from shrm.environment import Environment
-from shrm.explicit import fit, icosahedral_maps, icosahedron, reflection_maps, three_dimensional_texture
+from shrm.explicit import three_dimensional_texture
 
 EPS32 = float(np.finfo(np.float32).eps)
-
-
-def band_limited_environment(F: int, seed: int, H: int = 64) -> Environment:
-    """A positive picture whose samples are band-limited."""
-    c = np.random.default_rng(seed).normal(size=((F + 1) ** 2, 3)) / (F + 1)
-    c[0] = 8
-    return Environment(sh.synthesis(c, H, 2 * H))
 
 
 def random_light(F: int, P: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -142,86 +136,6 @@ def test_band_limited_light_and_brdf_equal_integration():
         )
         actual = Y_view[i] @ at_R.reshape((P + 1) ** 2, 3)
         np.testing.assert_allclose(actual, expected, atol=1e-5 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("layout", ["latlong", "cube"])
-@pytest.mark.parametrize("material", [brdf.Lambert(0.7), brdf.Phong(30)], ids=["lambert", "phong"])
-def test_white_furnace_is_exact_for_radial_lobes(material, layout):
-    white = Environment(np.ones((32, 64, 3), np.float32))
-    N, V = oracles.random_views(200, seed=9)
-    expected = 0.7 if material.name.startswith("lambert") else 1.0
-    radiance = prefilter(white, material, layout=layout).radiance(N, V)
-    np.testing.assert_allclose(radiance, expected, rtol=1e-6)
-
-
-@pytest.mark.parametrize(
-    "material",
-    [brdf.GGX(0.1), brdf.GGX(0.5), brdf.Microfacet(0.3), brdf.Beckmann(0.2), brdf.GGX(0.3, f0=0.04)],
-)
-def test_white_furnace_gives_the_directional_albedo(material):
-    """Within the predicted error, which falls as P grows."""
-    white = Environment(np.ones((32, 64, 3), np.float32))
-    N, V = oracles.random_views(400, seed=10)
-    # cos^2(theta_v) uniform, as the prediction has it, in 20 values at which the albedo is known exactly
-    levels = np.sqrt((np.arange(20) + 0.5) / 20)
-    cosine = np.tile(levels, 20)[:, None]
-    across = V - np.sum(N * V, axis=1, keepdims=True) * N
-    V = cosine * N + np.sqrt(1 - cosine**2) * across / np.linalg.norm(across, axis=1, keepdims=True)
-    expected = np.tile(brdf.directional_albedo(material, levels)[:, 0], 20)
-    errors = []
-    for P in (1, 2, 4, 8):
-        rm = prefilter(white, material, orders=(4, P))
-        actual = rm.radiance(N, V)[:, 0]
-        errors.append(oracles.relative_rms(actual, expected))
-        assert errors[-1] <= 1.25 * rm.error + 1e-4, (P, errors[-1], rm.error)
-    assert errors[-1] < errors[0]
-
-
-@pytest.mark.parametrize(
-    ("material", "transfer"),
-    [
-        (brdf.KajiyaKay(16), oracles.kajiya_kay(16)),
-        (brdf.KajiyaKay(16, cone="mirror"), oracles.kajiya_kay(16, "mirror")),
-        (brdf.Banks(0.2), oracles.banks(0.2)),
-    ],
-)
-def test_white_furnace_about_the_tangent(material, transfer):
-    """The integral of the lobe at each theta_o, within the predicted error, which falls as P grows."""
-    white = Environment(np.ones((32, 64, 3), np.float32))
-    T, N, V = oracles.random_hairs(200, seed=10)
-    expected = oracles.reflected(
-        white.pixels, transfer, N, V, T, frame="tangent", hemisphere=False, subsamples=3
-    )
-    errors = []
-    for P in (1, 2, 4, 8, 12):
-        rm = prefilter(white, material, orders=(4, P))
-        errors.append(oracles.relative_rms(rm.radiance(N, V, T), expected))
-        assert errors[-1] <= 1.25 * rm.error + 1e-4, (P, errors[-1], rm.error)
-    assert errors[-1] < errors[0]
-
-
-def test_white_furnace_of_many_lobes():
-    """Lafortune's lobes and a diffuse one, in three colours: the albedo within the predicted error."""
-    white = Environment(np.ones((32, 64, 3), np.float32))
-    lobes = {
-        "x": [[-1.0, -0.9, -0.8]],
-        "y": [[-1.0, -0.9, -0.8]],
-        "z": [[0.9, 0.8, 0.7]],
-        "exponent": [[9.0, 7, 5]],
-    }
-    material = brdf.Lafortune(**lobes, diffuse=(0.3, 0.2, 0.1))
-    xy, z, exponent = (np.array(lobes[name]) for name in ("x", "z", "exponent"))
-    glossy, matt = oracles.lafortune(xy, z, exponent), oracles.lambert((0.3, 0.2, 0.1))
-    N, V = oracles.random_views(200, seed=11)
-    expected = oracles.reflected(
-        white.pixels, lambda wi, wo: glossy(wi, wo) + matt(wi, wo), N, V, subsamples=3
-    )
-    errors = []
-    for P in (1, 2, 4, 8):
-        rm = prefilter(white, material, orders=(4, P))
-        errors.append(oracles.relative_rms(rm.radiance(N, V), expected))
-        assert errors[-1] <= 1.25 * rm.error + 1e-4, (P, errors[-1], rm.error)
-    assert errors[-1] < errors[0]
 
 
 def test_turning_light_and_geometry_together_changes_nothing():
@@ -370,53 +284,6 @@ def test_window_damps_and_is_counted_in_the_error():
     clamped = prefilter(env, material, orders=(16, 0), clamp=True, size=64)
     assert clamped.radiance(N, V).min() == 0
     assert np.all(plain.at_view([0, 0, 1.0]).min() < clamped.at_view([0, 0, 1.0]).min())
-
-
-# ---- Conversions, appendix C
-
-
-def test_icosahedron_has_twelve_equal_corners():
-    v = icosahedron()
-    np.testing.assert_allclose(np.linalg.norm(v, axis=1), 1, atol=1e-15)
-    np.testing.assert_allclose(v.sum(axis=0), 0, atol=1e-14)
-    nearest = np.sort(v @ v.T, axis=1)[:, -6:-1]
-    np.testing.assert_allclose(nearest, 1 / np.sqrt(5), atol=1e-14)
-
-
-def test_explicit_sets_and_back():
-    env = band_limited_environment(5, seed=23)
-    rm = prefilter(env, brdf.GGX(0.4).recentred("reflection"), orders=(5, 2), size=16)
-    twelve = icosahedral_maps(rm)
-    assert twelve.shape == (12, 16, 32, 3)
-    np.testing.assert_array_equal(twelve[0], rm.at_view([0, 0, 1.0]))
-    many = reflection_maps(rm, 6)
-    assert many.shape == (6, 6, 16, 32, 3)
-    again = fit(many.reshape(36, 16, 32, 3), explicit.grid_views(6).reshape(-1, 3), P=2)
-    scale = np.abs(rm.parts[0].maps).max()
-    np.testing.assert_allclose(again.parts[0].maps, rm.parts[0].maps, atol=1e-5 * scale)
-    assert again.error < 1e-5
-    from_twelve = fit(twelve, icosahedron(), P=2)  # 12 views determine 9 coefficients
-    np.testing.assert_allclose(from_twelve.parts[0].maps, rm.parts[0].maps, atol=1e-5 * scale)
-    N, V = oracles.random_views(20, seed=24)
-    np.testing.assert_allclose(again.radiance(N, V), rm.radiance(N, V), rtol=1e-4)
-    with pytest.raises(ValueError, match="12 views do not determine the 16 coefficients of P = 3"):
-        fit(twelve, icosahedron(), P=3)
-
-
-@pytest.mark.parametrize("layout", ["latlong", "cube"])
-def test_the_three_dimensional_texture_is_the_local_form_without_azimuth(layout):
-    env = band_limited_environment(5, seed=25)
-    rm = prefilter(env, brdf.GGX(0.4).recentred("reflection"), orders=(5, 3), size=16, layout=layout)
-    texture = three_dimensional_texture(rm, 7)
-    part = rm.parts[0]
-    zonal = part.maps
-    if layout == "latlong":  # B_p0 from eq. 14
-        local = part.local_maps(16)
-        theta_o = (np.arange(7) + 0.5) * np.pi / 7
-        Y = np.stack([oracles.special.sph_harm_y(p, 0, theta_o, 0).real for p in range(4)], axis=1)
-        expected = np.einsum("tp,phwc->thwc", Y, local[[0, 2, 6, 12]])
-        np.testing.assert_allclose(texture, expected, atol=2e-5 * np.abs(expected).max())
-    assert texture.shape == (7, *zonal.shape[1:])
 
 
 @pytest.mark.parametrize(

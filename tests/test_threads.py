@@ -1,4 +1,4 @@
-"""Same input, same output, whatever the number of threads and the instruction set."""
+"""Same input, same output, whatever the number of threads."""
 
 import os
 import subprocess
@@ -64,12 +64,9 @@ def one_thread(tmp_path_factory):
     return run(tmp_path_factory.mktemp("threads") / "one.npz", OMP_NUM_THREADS="1")
 
 
-@pytest.mark.parametrize(
-    "environment",
-    [{"OMP_NUM_THREADS": "2"}, {"OMP_NUM_THREADS": "7"}, {"OMP_NUM_THREADS": "2", "OMP_SCHEDULE": "dynamic"}],
-)
-def test_results_do_not_depend_on_the_number_of_threads(one_thread, environment, tmp_path):
-    other = run(tmp_path / "other.npz", **environment)
+@pytest.mark.parametrize("threads", [2, 7])
+def test_results_do_not_depend_on_the_number_of_threads(one_thread, threads, tmp_path):
+    other = run(tmp_path / "other.npz", OMP_NUM_THREADS=str(threads))
     for name in one_thread.files:
         scale = np.abs(one_thread[name]).max()
         np.testing.assert_allclose(other[name], one_thread[name], rtol=0, atol=1e-6 * scale, err_msg=name)

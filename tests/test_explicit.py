@@ -1,0 +1,53 @@
+"""Explicit sets of maps from reflection maps and back: [RH02] appendix C."""
+
+import numpy as np
+import oracles
+import pytest
+from light import band_limited_environment
+from shrm import brdf, explicit, prefilter
+from shrm.explicit import fit, icosahedral_maps, icosahedron, reflection_maps, three_dimensional_texture
+
+
+def test_icosahedron_has_twelve_equal_corners():
+    v = icosahedron()
+    np.testing.assert_allclose(np.linalg.norm(v, axis=1), 1, atol=1e-15)
+    np.testing.assert_allclose(v.sum(axis=0), 0, atol=1e-14)
+    nearest = np.sort(v @ v.T, axis=1)[:, -6:-1]
+    np.testing.assert_allclose(nearest, 1 / np.sqrt(5), atol=1e-14)
+
+
+def test_explicit_sets_and_back():
+    env = band_limited_environment(5, seed=23)
+    rm = prefilter(env, brdf.GGX(0.4).recentred("reflection"), orders=(5, 2), size=16)
+    twelve = icosahedral_maps(rm)
+    assert twelve.shape == (12, 16, 32, 3)
+    np.testing.assert_array_equal(twelve[0], rm.at_view([0, 0, 1.0]))
+    many = reflection_maps(rm, 6)
+    assert many.shape == (6, 6, 16, 32, 3)
+    again = fit(many.reshape(36, 16, 32, 3), explicit.grid_views(6).reshape(-1, 3), P=2)
+    scale = np.abs(rm.parts[0].maps).max()
+    np.testing.assert_allclose(again.parts[0].maps, rm.parts[0].maps, atol=1e-5 * scale)
+    assert again.error < 1e-5
+    from_twelve = fit(twelve, icosahedron(), P=2)  # 12 views determine 9 coefficients
+    np.testing.assert_allclose(from_twelve.parts[0].maps, rm.parts[0].maps, atol=1e-5 * scale)
+    N, V = oracles.random_views(20, seed=24)
+    np.testing.assert_allclose(again.radiance(N, V), rm.radiance(N, V), rtol=1e-4)
+    with pytest.raises(ValueError, match="12 views do not determine the 16 coefficients of P = 3"):
+        fit(twelve, icosahedron(), P=3)
+
+
+@pytest.mark.parametrize("layout", ["latlong", "cube"])
+def test_the_three_dimensional_texture_is_the_local_form_without_azimuth(layout):
+    env = band_limited_environment(5, seed=25)
+    rm = prefilter(env, brdf.GGX(0.4).recentred("reflection"), orders=(5, 3), size=16, layout=layout)
+    texture = three_dimensional_texture(rm, 7)
+    part = rm.parts[0]
+    # B_p0 from eq. 14: d^l_m0 e^{i m beta} is Y_lm but for sqrt((2l+1) / 4 pi)
+    l = np.sqrt(np.arange(len(part.light))).astype(int)
+    b = part.light[:, None] * np.sqrt(4 * np.pi / (2 * l + 1))[:, None, None] * part.rho[l, :, 0]
+    C = part.directions()
+    local = np.einsum("nk,kpc->pnc", oracles.real_harmonics(5, C.reshape(-1, 3)), b)
+    theta_o = (np.arange(7) + 0.5) * np.pi / 7
+    Y = np.stack([oracles.special.sph_harm_y(p, 0, theta_o, 0).real for p in range(4)], axis=1)
+    expected = np.einsum("tp,pnc->tnc", Y, local).reshape(7, *C.shape)
+    np.testing.assert_allclose(texture, expected, atol=2e-5 * np.abs(expected).max())
