@@ -37,6 +37,7 @@ PYTHON_ORDER = [
     ["render"],
     ["export"],
     ["demo"],
+    ["reproduce"],
     ["cli"],
     ["viewer"],
 ]
