@@ -82,6 +82,7 @@ CPP_NEUTRAL = {"core", "quadrature", "layouts", "grid"}
 
 # Each wraps its part of the core.
 CORE_WRAPPERS = {
+    "_core",
     "layouts",
     "environment",
     "sh",

@@ -118,7 +118,6 @@ glm::dvec3 texel_direction(const ReflectionMapView& map, int row, int column) {
 
 // result (3) += sum over the maps of weight times the interpolated map: the sum of [RH02] eq. 7 or,
 // if zonal, eq. 6, the weights being Y_pq of the view.
-SHRM_CLONES
 void interpolate(const ReflectionMapView& map, const Stencil& s, const double* weights, float* result) {
     const std::size_t width = size(map.W), ring = size(map.maps()) * 3 * width;
     double sum[3] = {};
@@ -187,7 +186,6 @@ void add_radiance(const ReflectionMapView& map, Centre centre, std::span<const d
 }
 
 // One row of the sum over the maps [RH02] eq. 12: a product of functions of C and of V as in eq. 4.
-SHRM_CLONES
 static void view_ring(const ReflectionMapView& map, int row, const float* weights, float* sums,
                       float* pixels) {
     const std::size_t width = size(map.W), maps = size(map.maps());

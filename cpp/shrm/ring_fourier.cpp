@@ -96,7 +96,6 @@ inline void RingFourier::unfold(const float* const* parts, float* ring) const {
     }
 }
 
-SHRM_CLONES
 void RingFourier::analyse(const float* ring, int channels, Texel texel, double* modes,
                           std::vector<float>& scratch) const {
     scratch.resize(size(channels) * size(W_ + K_));
@@ -132,7 +131,6 @@ void RingFourier::analyse(const float* ring, int channels, Texel texel, double* 
     }
 }
 
-SHRM_CLONES
 void RingFourier::synthesise(const float* modes, int channels, int stride, float* ring,
                              std::vector<float>& scratch) const {
     constexpr int R = 4;  // channels at a time

@@ -52,7 +52,6 @@ struct RingQuadrature {
 
 // One order m of the analysis: f_lm over all northern rings at once, by the recurrence in l.
 //   modes (2 parities, 2 channels of cos and sin, rings padded), coefficients ((F+1)^2, channels)
-SHRM_CLONES
 void legendre_analysis(int m, int F, int channels, const LegendreRecurrence& recurrence,
                        const RingQuadrature& quadrature, const double* modes, double* coefficients) {
     const int padded = round_up(quadrature.rings, 8), count = quadrature.nodes_per_ring * padded;
@@ -146,7 +145,6 @@ inline void legendre_synthesis(const double* theta, int F, int stride, const Leg
 
 constexpr int ring_block = 4;
 
-SHRM_CLONES
 void synthesis_block(int i0, int H, int W, int F, int channels, int stride,
                      const LegendreRecurrence& recurrence, const RingFourier& fourier,
                      const std::vector<float>& ordered, std::vector<float>& modes,
@@ -245,8 +243,8 @@ constexpr int block = 8;
 
 // The real basis at up to 8 directions, ((F+1)^2, 8).
 template <class Real>
-SHRM_CLONES void basis_block(const glm::dvec3* directions, int count, int F,
-                             const LegendreRecurrence& recurrence, Real* basis) {
+void basis_block(const glm::dvec3* directions, int count, int F, const LegendreRecurrence& recurrence,
+                 Real* basis) {
     double x[block], sine[block], cos1[block], sin1[block], cosm[block], sinm[block];
     for (int n = 0; n < block; ++n) {
         const glm::dvec3 d = directions[std::min(n, count - 1)];
@@ -283,8 +281,8 @@ SHRM_CLONES void basis_block(const glm::dvec3* directions, int count, int F,
 // values(n, c) = sum over k of basis(k, n) coefficients(k, c), coefficients ((F+1)^2, channels rounded up to
 // 8).
 template <class Real>
-SHRM_CLONES void basis_product(const Real* basis, const Real* coefficients, std::size_t terms, int channels,
-                               int count, Real* values) {
+void basis_product(const Real* basis, const Real* coefficients, std::size_t terms, int channels, int count,
+                   Real* values) {
     typedef Real pack __attribute__((vector_size(block * sizeof(Real))));
     typedef Real packu __attribute__((vector_size(block * sizeof(Real)), aligned(sizeof(Real))));
     const std::size_t stride = size(round_up(channels, block));

@@ -6,6 +6,7 @@ import numpy.typing as npt
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
+INSTRUCTION_SET: str
 CUBE_BORDER: int
 ANGULAR_LANES: int
 
