@@ -199,10 +199,8 @@ def synthesised(coefficients: FloatArray, size: int, layout: Layout) -> Float32A
     if layout == "latlong":
         rings = _core.synthesis(coefficients=columns, H=size, W=2 * size)
         return np.asarray(rings).reshape(size, maps, 3, 2 * size)
-    directions = _core.cube_directions(N=size)
-    rows, side = directions.shape[:2]
-    values = _core.evaluate_float(coefficients=columns, directions=directions.reshape(-1, 3))
-    return np.ascontiguousarray(values.reshape(rows, side, maps, 3).transpose(0, 2, 3, 1))
+    rings = _core.cube_synthesis(coefficients=columns, N=size)
+    return np.asarray(rings).reshape(len(rings), maps, 3, size + 2 * BORDER)
 
 
 @dataclass(frozen=True, eq=False)
@@ -344,13 +342,12 @@ class ReflectionMap:
             if part.center == "lobe":
                 lobes += 1
                 name = "lobe" if lobes == 1 else f"lobe {lobes}"
-            rings = _core.view_map(
-                rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V
+            N = part.size
+            shape = (6, N, N, 3) if part.layout == "cube" else (*part.rings.shape[::3], 3)
+            rings = np.empty(shape, dtype=np.float32)
+            _core.view_map(
+                rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V, pixels=rings
             )
-            if part.layout == "cube":
-                side = rings.shape[1]
-                inner = slice(BORDER, side - BORDER)
-                rings = rings.reshape(6, side, side, 3)[:, inner, inner]
             maps[name] = maps[name] + rings if name in maps else rings
         if self.clamp:
             maps = {name: np.maximum(pixels, 0) for name, pixels in maps.items()}
