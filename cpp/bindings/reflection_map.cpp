@@ -155,6 +155,16 @@ void view_map(const py::array& rings, bool cube, bool zonal, const Array<double>
     shrm::view_map(map, V[0], out);
 }
 
+void to_half(const Array<float>& rings, py::array& halves) {
+    if (halves.dtype().kind() != 'f' || halves.itemsize() != 2 || !(halves.flags() & py::array::c_style))
+        throw py::type_error("halves must be a contiguous array of float16");
+    if (halves.size() != rings.size()) throw py::value_error("halves and rings have different sizes");
+    const auto in = view(rings);
+    const std::span<std::uint16_t> out(static_cast<std::uint16_t*>(halves.mutable_data()), in.size());
+    const py::gil_scoped_release release;
+    shrm::to_half(in, out);
+}
+
 Array<double> cube_directions(int N) {
     require_positive("N", N);
     const int padded = N + 2 * cube_border;
@@ -188,6 +198,7 @@ void bind_reflection_map(py::module_& module) {
                "radiance"_a.noconvert());
     module.def("view_map", &view_map, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a,
                "direction"_a.noconvert(), "pixels"_a.noconvert());
+    module.def("to_half", &to_half, "rings"_a.noconvert(), "halves"_a);
     module.def("cube_directions", &cube_directions, py::kw_only(), "N"_a);
     module.attr("CUBE_BORDER") = cube_border;
 }

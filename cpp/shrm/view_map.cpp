@@ -121,4 +121,12 @@ void view_map(const ReflectionMapView& map, const glm::dvec3& view, std::span<fl
         view_map(map, map.halves, view, pixels);
 }
 
+void to_half(std::span<const float> rings, std::span<std::uint16_t> halves) {
+    const auto n = static_cast<std::ptrdiff_t>(rings.size()), whole = n / lanes * lanes;
+#pragma omp parallel for schedule(static)
+    for (std::ptrdiff_t i = 0; i < whole; i += lanes)
+        store(&halves[std::size_t(i)], load(&rings[std::size_t(i)]));
+    for (std::ptrdiff_t i = whole; i < n; ++i) halves[std::size_t(i)] = half_from(rings[std::size_t(i)]);
+}
+
 }  // namespace shrm
