@@ -171,7 +171,7 @@ def test_5_a_lobe_of_order_F_holds_its_share_there() -> None:
 
 
 def test_6_estimates_are_conservative_and_the_criterion_is_exact(results: dict[str, Result]) -> None:
-    F, measured, light, bound, minimum, brdf = np.array(results["figure-6"].rows).T
+    F, measured, light, minimum, bound, brdf = np.array(results["figure-6"].rows).T
     assert np.array_equal(F, np.arange(len(F)))
     np.testing.assert_allclose(light, measured, atol=2e-4)  # look-ups and integrals of 1e-4 each
     assert np.all(minimum <= measured + 2e-4)

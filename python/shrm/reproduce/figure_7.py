@@ -41,7 +41,7 @@ NAME = "figure-7"
 SIGMA = 0.2
 F = 30
 ORDERS = (0, 1, 2, 3)
-INCIDENCE = {"from above": 30.0, "near grazing": 75.0}
+INCIDENCE = {"light at 30°": 30.0, "at 75°, grazing": 75.0}
 """Degrees between the normal and the brightest light where it is reflected."""
 CENTERS: Mapping[Center, str] = {"reflection": "R", "lobe": "the lobe"}
 
@@ -158,7 +158,8 @@ def _draw(seen: dict[str, Seen], captured: dict[tuple[Center, int], float]) -> F
             for line, center in enumerate(CENTERS, start=1):
                 picture = view.series[center, P]
                 axes = place(difference(picture, view.exact), k, line, P)
-                caption(axes, f"{relative_rms(picture, view.exact):.1%}")
+                error = relative_rms(picture, view.exact)
+                caption(axes, f"{error:.0%}" if error >= 0.1 else f"{error:.1%}")
                 if P == 0:
                     axes.set_ylabel(f"difference\nabout {CENTERS[center]}", fontsize=9)
         axes = place(view.exact, k, 0, len(ORDERS))

@@ -9,7 +9,7 @@ G = G1(L) G1(V) with G1 = 1 + lambda (1 - exp(c (theta - theta0)^k)) beyond thet
 f1 (V.H) + (1 - f0) (1 - V.H)^5, which a few fits take below zero: it is cut there.
 
 Articles and programs differ about 1 / pi in the specular parts. With it both fits of a metal reflect about
-the same, and Bagher's pink felt is the measured one.
+the same, and Bagher's pink felt is within a tenth of the measured one.
 
 A file is a JSON object of materials, each an object of parameters: numbers, or three for R, G, B.
 
