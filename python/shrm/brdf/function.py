@@ -68,6 +68,9 @@ def from_function(f: Function, center: Center = "lobe", name: str | None = None)
 
 def _with_cosine(f: Function, title: str, channels: int, wi: FloatArray, wo: FloatArray) -> FloatArray:
     above = above_horizon(wi, wo)
+    if above.all():  # as at the nodes of an analysis: no copies
+        values = _checked(f, title, wi, wo)
+        return np.asarray(values * (wi[:, 2] if channels == 1 else wi[:, 2:]))
     result = np.zeros(len(wi) if channels == 1 else (len(wi), channels))
     if above.any():
         cosine = wi[above, 2] if channels == 1 else wi[above, 2:]
