@@ -164,8 +164,8 @@ class Prefilter:
             self._env,
             self._material(),
             parts,
-            self.map.criterion,
-            self.map.window,
+            self._criterion,
+            self._window,
             self._F_max,
         )
         self.map = replace(self.map, parts=parts, brdf=self._brdf.name, predict=predict)

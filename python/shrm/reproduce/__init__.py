@@ -18,6 +18,10 @@ __all__ = ["MODULES", "Result", "Settings", "make", "names"]
 MODULES = (
     "table_2",
     "table_3",
+    "figure_5",
+    "figure_6",
+    "figure_7",
+    "figure_8",
 )
 """In the paper's order. A module is imported when its result is made: plots are slow to load."""
 
