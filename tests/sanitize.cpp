@@ -19,6 +19,7 @@
 #include "shrm/map_coefficients.hpp"
 #include "shrm/radiance.hpp"
 #include "shrm/reflection_map.hpp"
+#include "shrm/rotation.hpp"
 #include "shrm/synthesis.hpp"
 #include "shrm/view_map.hpp"
 #include "shrm/wigner.hpp"
@@ -110,7 +111,7 @@ void rotation() {
                                     glm::dmat3(0.8, 0.6, 0, 0, 0, 1, 0.6, -0.8, 0)}) {
             const auto coefficients = random_values<double>(basis_size(F) * 3);
             std::vector<double> rotated(coefficients.size());
-            shrm::rotate(coefficients, 3, F, R, rotated);
+            shrm::Rotation(F, 3).run(coefficients, R, rotated);
         }
 }
 

@@ -54,6 +54,7 @@ CPP_ORDER = [
     ["synthesis"],
     ["evaluation"],
     ["wigner"],
+    ["rotation"],
     ["brdf_analysis"],
     ["reflection_map"],
     ["map_coefficients"],

@@ -107,6 +107,8 @@ class Prefilter:
         self._analysis = sh.Plan(H, W, self.map.F, areas=True)
         self._light = env.coefficients(self.map.F).copy()
         self._rotation: FloatArray | None = None
+        self._turn = _core.Rotation(F=self.map.F, channels=3)
+        self._turned = np.empty_like(self._light)
         self._plans = [_LobePlan(part) for part in self.map.parts]
 
     def update(
@@ -157,7 +159,8 @@ class Prefilter:
                 plan.set_material(lobe, self._window)
         light = self._light
         if self._rotation is not None:
-            light = _core.rotate(coefficients=light, R=self._rotation)
+            self._turn.run(self._light, self._rotation, self._turned)
+            light = self._turned
         parts = tuple(plan.run(light) for plan in self._plans)
         predict = partial(
             predicted_error,
