@@ -8,14 +8,19 @@
 
 #include <glm/glm.hpp>
 
+#include "shrm/analysis.hpp"
 #include "shrm/angular.hpp"
 #include "shrm/brdf_analysis.hpp"
 #include "shrm/core.hpp"
+#include "shrm/cube_synthesis.hpp"
+#include "shrm/evaluation.hpp"
 #include "shrm/grid.hpp"
 #include "shrm/layouts.hpp"
+#include "shrm/map_coefficients.hpp"
 #include "shrm/radiance.hpp"
 #include "shrm/reflection_map.hpp"
-#include "shrm/sh.hpp"
+#include "shrm/synthesis.hpp"
+#include "shrm/view_map.hpp"
 #include "shrm/wigner.hpp"
 
 namespace {
@@ -81,10 +86,15 @@ void harmonics() {
             for (int F : {0, 1, 5}) {
                 const auto pixels = random_values<float>(size(H) * size(W) * size(channels));
                 std::vector<double> coefficients(basis_size(F) * size(channels));
-                for (auto texel : {shrm::Texel::sample, shrm::Texel::area})
-                    shrm::analysis(pixels, H, W, channels, F, texel, coefficients);
                 std::vector<float> rings(pixels.size());
-                shrm::synthesis(coefficients, channels, F, H, W, rings);
+                for (auto tables : {shrm::Tables::kept, shrm::Tables::transient}) {
+                    for (auto texel : {shrm::Texel::sample, shrm::Texel::area})
+                        shrm::Analysis(H, W, channels, F, texel, tables).run(pixels, coefficients);
+                    shrm::Synthesis(H, W, channels, F, tables).run(coefficients, rings);
+                }
+                const int side = H + H % 2 + 2 * shrm::cube_border;
+                std::vector<float> cube(size(6 * side) * size(channels) * size(side));
+                shrm::CubeSynthesis(H + H % 2, channels, F).run(coefficients, cube);
 
                 for (std::size_t n : {1u, 5u, 67u}) {
                     const auto directions = random_directions(n);
@@ -134,7 +144,11 @@ void reflection_maps() {
             shrm::local_reflection_map(light, rho, F, P, channels, H, W, local);
             shrm::global_from_local(local, P, channels, H, W, global);
             std::vector<double> coefficients(basis_size(F + P) * basis_size(P) * size(channels));
-            shrm::global_coefficients(light, rho, F, P, channels, coefficients);
+            for (bool zonal : {false, true}) {
+                shrm::MapCoefficients map(F, P, channels, zonal);
+                map.set_material(rho);
+                map.run(light, coefficients);
+            }
         }
 }
 
@@ -148,7 +162,7 @@ void radiance() {
                     const bool cube = layout == shrm::MapLayout::cube;
                     const int H = cube ? 6 * (N + 2 * shrm::cube_border) : N;
                     const int W = cube ? N + 2 * shrm::cube_border : 2 * N;
-                    shrm::ReflectionMapView map{layout, H, W, P, zonal, {}};
+                    shrm::ReflectionMapView map{layout, H, W, P, zonal, {}, {}};
                     const auto rings = random_values<float>(size(H) * size(map.maps()) * 3 * size(W));
                     map.rings = rings;
                     std::vector<float> values(normals.size() * 3), pixels(size(H) * size(W) * 3);
@@ -158,6 +172,9 @@ void radiance() {
                         shrm::add_radiance(map, centre, gamma, normals, std::span(views).first(1), bilinear,
                                            values);
                     }
+                    shrm::view_map(map, views[1], pixels);
+                    const std::vector<std::uint16_t> halves(rings.size(), 0x3c01);
+                    map.halves = halves;
                     shrm::view_map(map, views[1], pixels);
                 }
 }

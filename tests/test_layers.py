@@ -30,6 +30,7 @@ PYTHON_ORDER = [
     ["reflection_map", "reflection_file"],  # a map's save and load are the file's
     ["explicit"],
     ["prefiltering"],
+    ["relighting"],
     ["lobe_tables"],
     ["lobe_integrals"],
     ["reference"],
@@ -47,10 +48,19 @@ CPP_ORDER = [
     ["core"],
     ["quadrature"],
     ["layouts", "grid"],
-    ["legendre", "ring_fourier", "sh"],
+    ["simd", "half"],
+    ["legendre", "ring_fourier"],
+    ["analysis"],
+    ["synthesis"],
+    ["evaluation"],
     ["wigner"],
     ["brdf_analysis"],
-    ["reflection_map", "radiance"],
+    ["reflection_map"],
+    ["map_coefficients"],
+    ["view_harmonics"],
+    ["radiance"],
+    ["view_map"],
+    ["cube_synthesis"],
     ["angular", "angular_texels"],
     ["hierarchical"],
     ["transfer"],
@@ -78,15 +88,17 @@ PYTHON_NEUTRAL = {
     "central_direction",
 }
 CPP_JUDGES = {"angular", "angular_texels", "hierarchical"}
-CPP_NEUTRAL = {"core", "quadrature", "layouts", "grid"}
+CPP_NEUTRAL = {"core", "simd", "quadrature", "layouts", "grid"}
 
 # Each wraps its part of the core.
 CORE_WRAPPERS = {
+    "_core",
     "layouts",
     "environment",
     "sh",
     "brdf_analysis",
     "reflection_map",
+    "relighting",
     "lobe_integrals",
     "reference",
     "transfer",

@@ -1,4 +1,4 @@
-"""Same input, same output, whatever the number of threads."""
+"""Same input, same output, whatever the number of threads and the instruction set."""
 
 import os
 import subprocess
@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from shrm._core import processor
 
 SCRIPT = """
 import sys
@@ -64,9 +65,30 @@ def one_thread(tmp_path_factory):
     return run(tmp_path_factory.mktemp("threads") / "one.npz", OMP_NUM_THREADS="1")
 
 
+def assert_same(other, results):
+    for name in results.files:
+        scale = np.abs(results[name]).max()
+        np.testing.assert_allclose(other[name], results[name], rtol=0, atol=1e-6 * scale, err_msg=name)
+
+
 @pytest.mark.parametrize("threads", [2, 7])
 def test_results_do_not_depend_on_the_number_of_threads(one_thread, threads, tmp_path):
-    other = run(tmp_path / "other.npz", OMP_NUM_THREADS=str(threads))
-    for name in one_thread.files:
-        scale = np.abs(one_thread[name]).max()
-        np.testing.assert_allclose(other[name], one_thread[name], rtol=0, atol=1e-6 * scale, err_msg=name)
+    assert_same(run(tmp_path / "other.npz", OMP_NUM_THREADS=str(threads)), one_thread)
+
+
+@pytest.mark.parametrize("name", processor.instruction_sets()[1:])  # the best is the one tested elsewhere
+def test_results_do_not_depend_on_the_instruction_set(one_thread, name, tmp_path):
+    assert_same(run(tmp_path / "other.npz", SHRM_INSTRUCTION_SET=name), one_thread)
+
+
+def test_an_instruction_set_that_is_not_there_is_refused():
+    done = subprocess.run(
+        [sys.executable, "-c", "import shrm"],
+        env={**os.environ, "SHRM_INSTRUCTION_SET": "sparc"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 1
+    assert "'sparc'" in done.stderr
+    assert "portable" in done.stderr

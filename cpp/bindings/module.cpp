@@ -1,4 +1,5 @@
-// The table of contents of shrm._core, in the order the data flows.
+// The table of contents of shrm._core, in the order the data flows. Built once for each instruction set,
+// under the name SHRM_MODULE.
 #include <omp.h>
 #include <pthread.h>
 #include <pybind11/pybind11.h>
@@ -12,7 +13,7 @@ void bind_reflection_map(pybind11::module_& module);
 void bind_angular(pybind11::module_& module);
 }  // namespace shrm::bindings
 
-PYBIND11_MODULE(_core, module) {
+PYBIND11_MODULE(SHRM_MODULE, module) {
     using namespace shrm::bindings;
     // A forked child has none of its parent's OpenMP threads, and GNU's library would wait for them for ever.
     pthread_atfork(nullptr, nullptr, [] { omp_set_num_threads(1); });

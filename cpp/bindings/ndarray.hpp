@@ -23,8 +23,7 @@ using Array = py::array_t<T, py::array::c_style>;
 inline constexpr py::ssize_t any = -1;
 
 // Throws ValueError unless array has exactly this shape; `any` leaves an extent open.
-template <class T>
-void require_shape(const Array<T>& array, const char* name, std::initializer_list<py::ssize_t> shape) {
+inline void require_shape(const py::array& array, const char* name, const std::vector<py::ssize_t>& shape) {
     bool fits = array.ndim() == static_cast<py::ssize_t>(shape.size());
     py::ssize_t axis = 0;
     for (py::ssize_t extent : shape) {

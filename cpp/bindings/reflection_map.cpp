@@ -1,8 +1,14 @@
 #include "shrm/reflection_map.hpp"
 
+#include <memory>
+#include <mutex>
+
 #include "ndarray.hpp"
 #include "shrm/core.hpp"
+#include "shrm/map_coefficients.hpp"
 #include "shrm/radiance.hpp"
+#include "shrm/view_harmonics.hpp"
+#include "shrm/view_map.hpp"
 
 namespace shrm::bindings {
 namespace {
@@ -49,21 +55,63 @@ Array<double> global_coefficients(const Array<double>& light, const Array<double
     const auto L = view(light), r = view(rho);
     const auto out = view(coefficients);
     const py::gil_scoped_release release;
-    shrm::global_coefficients(L, r, F, P, channels, out);
+    MapCoefficients map(F, P, channels, false);
+    map.set_material(r);
+    map.run(L, out);
     return coefficients;
 }
 
-ReflectionMapView require_map(const Array<float>& rings, bool cube, bool zonal) {
+// It works in memory of its own, so it runs for one caller at a time.
+struct MapCoefficientsPlan {
+    int F, P, channels;
+    MapCoefficients coefficients;
+    std::mutex busy;
+
+    void set_material(const Array<double>& rho) {
+        require_shape(rho, "rho", {F + 1, P + 1, P + 1, channels});
+        const auto in = view(rho);
+        const std::lock_guard lock(busy);
+        coefficients.set_material(in);
+    }
+    void run(const Array<double>& light, Array<double>& to) {
+        require_shape(light, "light", {ssize(basis_size(F)), channels});
+        require_shape(to, "to", {ssize(basis_size(coefficients.degree())), coefficients.maps(), channels});
+        const auto in = view(light);
+        const auto out = view(to);
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(busy);
+        coefficients.run(in, out);
+    }
+};
+
+std::unique_ptr<MapCoefficientsPlan> map_coefficients_plan(int F, int P, int channels, bool zonal) {
+    require_degree("F", F);
+    require_degree("P", P);
+    require_positive("channels", channels);
+    return std::unique_ptr<MapCoefficientsPlan>(
+        new MapCoefficientsPlan{F, P, channels, {F, P, channels, zonal}, {}});
+}
+
+ReflectionMapView require_map(const py::array& rings, bool cube, bool zonal) {
+    const bool half = rings.dtype().kind() == 'f' && rings.itemsize() == 2;
+    if (!half && !py::isinstance<Array<float>>(rings))
+        throw py::type_error("rings must be contiguous arrays of float32 or float16");
+    if (!(rings.flags() & py::array::c_style)) throw py::type_error("rings must be contiguous");
     require_shape(rings, "rings", {any, any, 3, any});
     const int H = extent(rings, 0), W = extent(rings, 3), maps = extent(rings, 1);
     const int P = zonal ? maps - 1 : static_cast<int>(std::lround(std::sqrt(maps))) - 1;
-    const ReflectionMapView map{cube ? MapLayout::cube : MapLayout::latlong, H, W, P, zonal, view(rings)};
-    if (P < 0 || map.maps() != maps)
-        throw py::value_error("rings has " + std::to_string(maps) +
-                              " maps, but needs (P+1)^2, or P+1 if zonal");
+    ReflectionMapView map{cube ? MapLayout::cube : MapLayout::latlong, H, W, P, zonal, {}, {}};
+    if (P < 0 || P > largest_P || map.maps() != maps)
+        throw py::value_error("rings has " + std::to_string(maps) + " maps, but needs (P+1)^2, or P+1 if " +
+                              "zonal, and P <= " + std::to_string(largest_P));
     if (cube ? W <= 2 * cube_border || H != 6 * W : H < 2 || W < 4 || W % 2 != 0)
         throw py::value_error("rings has " + std::to_string(H) + " rows of " + std::to_string(W) +
                               " texels, which is no reflection map");
+    const auto count = static_cast<std::size_t>(rings.size());
+    if (half)
+        map.halves = {static_cast<const std::uint16_t*>(rings.data()), count};
+    else
+        map.rings = {static_cast<const float*>(rings.data()), count};
     return map;
 }
 
@@ -75,7 +123,7 @@ Centre centre_of(const std::string& name) {
     throw py::value_error("unknown centre " + name);
 }
 
-void add_radiance(const Array<float>& rings, bool cube, bool zonal, const std::string& centre,
+void add_radiance(const py::array& rings, bool cube, bool zonal, const std::string& centre,
                   const Array<double>& gamma, const Array<double>& axes, const Array<double>& views,
                   bool bilinear, Array<float>& radiance) {
     const ReflectionMapView map = require_map(rings, cube, zonal);
@@ -92,15 +140,29 @@ void add_radiance(const Array<float>& rings, bool cube, bool zonal, const std::s
     shrm::add_radiance(map, about, table, N, V, bilinear, out);
 }
 
-Array<float> view_map(const Array<float>& rings, bool cube, bool zonal, const Array<double>& direction) {
+void view_map(const py::array& rings, bool cube, bool zonal, const Array<double>& direction,
+              Array<float>& pixels) {
     const ReflectionMapView map = require_map(rings, cube, zonal);
     require_shape(direction, "direction", {1, 3});
-    auto pixels = allocate<float>({map.H, map.W, 3});
+    const int N = map.W - 2 * cube_border;
+    if (cube)
+        require_shape(pixels, "pixels", {6, N, N, 3});
+    else
+        require_shape(pixels, "pixels", {map.H, map.W, 3});
     const auto V = vectors(direction);
     const auto out = view(pixels);
     const py::gil_scoped_release release;
     shrm::view_map(map, V[0], out);
-    return pixels;
+}
+
+void to_half(const Array<float>& rings, py::array& halves) {
+    if (halves.dtype().kind() != 'f' || halves.itemsize() != 2 || !(halves.flags() & py::array::c_style))
+        throw py::type_error("halves must be a contiguous array of float16");
+    if (halves.size() != rings.size()) throw py::value_error("halves and rings have different sizes");
+    const auto in = view(rings);
+    const std::span<std::uint16_t> out(static_cast<std::uint16_t*>(halves.mutable_data()), in.size());
+    const py::gil_scoped_release release;
+    shrm::to_half(in, out);
 }
 
 Array<double> cube_directions(int N) {
@@ -127,11 +189,16 @@ void bind_reflection_map(py::module_& module) {
     module.def("global_from_local", &global_from_local, py::kw_only(), "local"_a.noconvert());
     module.def("global_coefficients", &global_coefficients, py::kw_only(), "light"_a.noconvert(),
                "rho"_a.noconvert());
-    module.def("add_radiance", &add_radiance, py::kw_only(), "rings"_a.noconvert(), "cube"_a, "zonal"_a,
-               "centre"_a, "gamma"_a.noconvert(), "axes"_a.noconvert(), "views"_a.noconvert(), "bilinear"_a,
+    py::class_<MapCoefficientsPlan>(module, "MapCoefficients")
+        .def(py::init(&map_coefficients_plan), py::kw_only(), "F"_a, "P"_a, "channels"_a, "zonal"_a)
+        .def("set_material", &MapCoefficientsPlan::set_material, "rho"_a.noconvert())
+        .def("run", &MapCoefficientsPlan::run, "from"_a.noconvert(), "to"_a.noconvert());
+    module.def("add_radiance", &add_radiance, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a, "centre"_a,
+               "gamma"_a.noconvert(), "axes"_a.noconvert(), "views"_a.noconvert(), "bilinear"_a,
                "radiance"_a.noconvert());
-    module.def("view_map", &view_map, py::kw_only(), "rings"_a.noconvert(), "cube"_a, "zonal"_a,
-               "direction"_a.noconvert());
+    module.def("view_map", &view_map, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a,
+               "direction"_a.noconvert(), "pixels"_a.noconvert());
+    module.def("to_half", &to_half, "rings"_a.noconvert(), "halves"_a);
     module.def("cube_directions", &cube_directions, py::kw_only(), "N"_a);
     module.attr("CUBE_BORDER") = cube_border;
 }

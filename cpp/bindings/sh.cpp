@@ -1,10 +1,20 @@
-#include "shrm/sh.hpp"
+#include <memory>
+#include <mutex>
 
 #include "ndarray.hpp"
+#include "shrm/analysis.hpp"
 #include "shrm/core.hpp"
+#include "shrm/cube_synthesis.hpp"
+#include "shrm/evaluation.hpp"
+#include "shrm/radiance.hpp"
+#include "shrm/synthesis.hpp"
 
 namespace shrm::bindings {
 namespace {
+
+Texel texel(bool areas) {
+    return areas ? Texel::area : Texel::sample;
+}
 
 Array<double> analysis(const Array<float>& pixels, int F, bool areas) {
     require_shape(pixels, "pixels", {any, any, any});
@@ -14,7 +24,7 @@ Array<double> analysis(const Array<float>& pixels, int F, bool areas) {
     const auto in = view(pixels);
     const auto out = view(coefficients);
     const py::gil_scoped_release release;
-    shrm::analysis(in, H, W, channels, F, areas ? Texel::area : Texel::sample, out);
+    Analysis(H, W, channels, F, texel(areas), Tables::transient).run(in, out);
     return coefficients;
 }
 
@@ -27,8 +37,81 @@ Array<float> synthesis(const Array<double>& coefficients, int H, int W) {
     const auto in = view(coefficients);
     const auto out = view(rings);
     const py::gil_scoped_release release;
-    shrm::synthesis(in, channels, F, H, W, out);
+    Synthesis(H, W, channels, F, Tables::transient).run(in, out);
     return rings;
+}
+
+void require_sizes(int H, int W, int channels) {
+    require_positive("H", H);
+    require_positive("W", W);
+    require_positive("channels", channels);
+}
+
+void require_even(const char* name, int value) {
+    require_positive(name, value);
+    if (value % 2)
+        throw py::value_error(std::string(name) + " is " + std::to_string(value) + ", but must be even");
+}
+
+Array<float> cube_synthesis(const Array<double>& coefficients, int N) {
+    const int F = degree_of(coefficients, "coefficients");
+    const int channels = extent(coefficients, 1), side = N + 2 * cube_border;
+    require_even("N", N);
+    auto rings = allocate<float>({6 * side, channels, side});
+    const auto in = view(coefficients);
+    const auto out = view(rings);
+    const py::gil_scoped_release release;
+    CubeSynthesis(N, channels, F).run(in, out);
+    return rings;
+}
+
+// A plan with the shapes of what it reads and writes. It works in memory of its own, so it runs for one
+// caller at a time.
+template <class Transform, class In, class Out>
+struct Plan {
+    Transform transform;
+    std::vector<py::ssize_t> in_shape, out_shape;
+    std::mutex busy;
+
+    void run(const Array<In>& from, Array<Out>& to) {
+        require_shape(from, "from", in_shape);
+        require_shape(to, "to", out_shape);
+        const auto in = view(from);
+        const auto out = view(to);
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(busy);
+        transform.run(in, out);
+    }
+};
+using AnalysisPlan = Plan<Analysis, float, double>;
+using SynthesisPlan = Plan<Synthesis, double, float>;
+using CubeSynthesisPlan = Plan<CubeSynthesis, double, float>;
+
+std::vector<py::ssize_t> coefficient_shape(int F, int channels) {
+    require_degree("F", F);
+    return {ssize(basis_size(F)), channels};
+}
+
+std::unique_ptr<AnalysisPlan> analysis_plan(int H, int W, int channels, int F, bool areas) {
+    require_sizes(H, W, channels);
+    return std::unique_ptr<AnalysisPlan>(new AnalysisPlan{{H, W, channels, F, texel(areas), Tables::kept},
+                                                          {H, W, channels},
+                                                          coefficient_shape(F, channels),
+                                                          {}});
+}
+
+std::unique_ptr<SynthesisPlan> synthesis_plan(int H, int W, int channels, int F) {
+    require_sizes(H, W, channels);
+    return std::unique_ptr<SynthesisPlan>(new SynthesisPlan{
+        {H, W, channels, F, Tables::kept}, coefficient_shape(F, channels), {H, channels, W}, {}});
+}
+
+std::unique_ptr<CubeSynthesisPlan> cube_synthesis_plan(int N, int channels, int F) {
+    require_even("N", N);
+    require_positive("channels", channels);
+    const int side = N + 2 * cube_border;
+    return std::unique_ptr<CubeSynthesisPlan>(new CubeSynthesisPlan{
+        {N, channels, F}, coefficient_shape(F, channels), {6 * side, channels, side}, {}});
 }
 
 template <class Real>
@@ -51,9 +134,17 @@ void bind_sh(py::module_& module) {
     using namespace py::literals;
     module.def("analysis", &analysis, py::kw_only(), "pixels"_a.noconvert(), "F"_a, "areas"_a);
     module.def("synthesis", &synthesis, py::kw_only(), "coefficients"_a.noconvert(), "H"_a, "W"_a);
+    module.def("cube_synthesis", &cube_synthesis, py::kw_only(), "coefficients"_a.noconvert(), "N"_a);
+    py::class_<AnalysisPlan>(module, "Analysis")
+        .def(py::init(&analysis_plan), py::kw_only(), "H"_a, "W"_a, "channels"_a, "F"_a, "areas"_a)
+        .def("run", &AnalysisPlan::run, "from"_a.noconvert(), "to"_a.noconvert());
+    py::class_<SynthesisPlan>(module, "Synthesis")
+        .def(py::init(&synthesis_plan), py::kw_only(), "H"_a, "W"_a, "channels"_a, "F"_a)
+        .def("run", &SynthesisPlan::run, "from"_a.noconvert(), "to"_a.noconvert());
+    py::class_<CubeSynthesisPlan>(module, "CubeSynthesis")
+        .def(py::init(&cube_synthesis_plan), py::kw_only(), "N"_a, "channels"_a, "F"_a)
+        .def("run", &CubeSynthesisPlan::run, "from"_a.noconvert(), "to"_a.noconvert());
     module.def("evaluate", &evaluate<double>, py::kw_only(), "coefficients"_a.noconvert(),
-               "directions"_a.noconvert());
-    module.def("evaluate_float", &evaluate<float>, py::kw_only(), "coefficients"_a.noconvert(),
                "directions"_a.noconvert());
     module.def(
         "fejer_weights",

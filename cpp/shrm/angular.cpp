@@ -109,9 +109,8 @@ SHRM_INLINE void radial_weights(const Nodes& nodes, const Centre& centre, const 
     }
 }
 
-SHRM_CLONES void radial_query(const Nodes& nodes, const Planes& planes, const glm::dvec3& axis,
-                              const float* u, int channels, int intervals, const Band& band, Scratch& scratch,
-                              float* out) {
+void radial_query(const Nodes& nodes, const Planes& planes, const glm::dvec3& axis, const float* u,
+                  int channels, int intervals, const Band& band, Scratch& scratch, float* out) {
     const Centre centre(axis);
     azimuths(nodes, centre.phi, scratch.azimuth);
     const std::size_t stride = size(nodes.W);
@@ -171,9 +170,8 @@ SHRM_INLINE void slide(const Planes& planes, const std::vector<KernelRow>& rows,
 }
 
 // Output columns begin, begin + step, ... of one row of the map.
-SHRM_CLONES void radial_map_row(const Nodes& nodes, const Planes& planes, const RadialProfile& profile,
-                                double outer, double theta, int begin, int step, int map_W, Scratch& scratch,
-                                float* out) {
+void radial_map_row(const Nodes& nodes, const Planes& planes, const RadialProfile& profile, double outer,
+                    double theta, int begin, int step, int map_W, Scratch& scratch, float* out) {
     const double phi = pi - 2 * pi / map_W * (begin + 0.5);
     const Centre centre({std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)});
     azimuths(nodes, centre.phi, scratch.azimuth);
@@ -265,8 +263,8 @@ SHRM_INLINE void add_ratio(float* __restrict weight, const float* __restrict sli
     }
 }
 
-SHRM_CLONES void isotropic_query(const Nodes& nodes, const Planes& planes, const IsotropicTable& table,
-                                 const glm::dvec3& n, const glm::dvec3& v, Scratch& s, float* out) {
+void isotropic_query(const Nodes& nodes, const Planes& planes, const IsotropicTable& table,
+                     const glm::dvec3& n, const glm::dvec3& v, Scratch& s, float* out) {
     // The frame of the normal: the view in the plane of x and z.
     const double cos_v = std::clamp(glm::dot(n, v), 0.0, 1.0);
     const glm::dvec3 across = v - glm::dot(n, v) * n;

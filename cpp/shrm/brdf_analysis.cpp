@@ -11,7 +11,6 @@ namespace {
 
 // rho_q(i, c) = sum_k weight cos(q phi_k) rho_hat(i, k, c) for one view; rho_q (Q+1, channels, I). The first
 // step of [RH02] appendix C, its factor 2 pi left to the fit over theta_o.
-SHRM_CLONES
 void azimuthal_step(const TransferTable& t, int v, int Q, double* rho_q, double* energy) {
     const std::size_t I = size(t.I), K = size(t.K), channels = size(t.channels);
     std::vector<double> cosine(K), previous(K), twice(K), values(K), squares(channels, 0.);
@@ -46,7 +45,6 @@ void azimuthal_step(const TransferTable& t, int v, int Q, double* rho_q, double*
 
 // g_lq(v) = sum_i weight f_lq(theta_i) rho_q(i) for one view and one q: the third step of [RH02] appendix C,
 // taken before the second: the integrals commute.
-SHRM_CLONES
 void polar_step(const TransferTable& t, int v, int q, int L, int Q, const LegendreRecurrence& recurrence,
                 const double* rho_q, double* g) {
     const std::size_t I = size(t.I);

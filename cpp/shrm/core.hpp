@@ -75,14 +75,6 @@
 #include <cstddef>
 #include <numbers>
 
-// One compiled clone per instruction set, chosen when the library is loaded. With
-// -ffp-contract=off all clones give identical results.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(SHRM_NO_CLONES)
-#define SHRM_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define SHRM_CLONES
-#endif
-
 namespace shrm {
 
 inline constexpr double pi = std::numbers::pi;

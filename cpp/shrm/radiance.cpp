@@ -8,44 +8,10 @@
 #include <glm/geometric.hpp>
 
 #include "shrm/core.hpp"
-#include "shrm/layouts.hpp"
-#include "shrm/legendre.hpp"
+#include "shrm/view_harmonics.hpp"
 
 namespace shrm {
 namespace {
-
-// Y_pq(direction), real basis, for all p <= P.
-void real_harmonics(const LegendreRecurrence& recurrence, int P, const glm::dvec3& direction, double* Y) {
-    const double sine = std::hypot(direction.x, direction.y);
-    const double cos1 = sine > 0 ? direction.x / sine : 1, sin1 = sine > 0 ? direction.y / sine : 0;
-    double cosine_q = std::numbers::sqrt2, sine_q = 0;
-    for (int q = 0; q <= P; ++q) {
-        double f = recurrence.start(q) * power(sine, q), previous = 0;
-        for (int p = q; p <= P; ++p) {
-            Y[lm(p, q)] = q ? f * cosine_q : f;
-            if (q) Y[lm(p, -q)] = f * sine_q;
-            const auto [a, b] = recurrence.steps(q)[p - q];
-            const double next = a * direction.z * f - b * previous;
-            previous = f;
-            f = next;
-        }
-        const double turned = cosine_q * cos1 - sine_q * sin1;
-        sine_q = sine_q * cos1 + cosine_q * sin1;
-        cosine_q = turned;
-    }
-}
-
-// Y_p0 at the angle between C and V.
-void zonal_harmonics(const LegendreRecurrence& recurrence, int P, double cosine, double* Y) {
-    double f = recurrence.start(0), previous = 0;
-    for (int p = 0; p <= P; ++p) {
-        Y[p] = f;
-        const auto [a, b] = recurrence.steps(0)[p];
-        const double next = a * cosine * f - b * previous;
-        previous = f;
-        f = next;
-    }
-}
 
 // Weights of the samples at -1, 0, 1, 2 for a point at t in [0, 1).
 std::array<float, 4> interpolation_weights(double t, bool bilinear) {
@@ -108,17 +74,8 @@ Stencil cube_stencil(int padded, const glm::dvec3& direction, bool bilinear) {
     return stencil;
 }
 
-glm::dvec3 texel_direction(const ReflectionMapView& map, int row, int column) {
-    if (map.layout == MapLayout::latlong)
-        return LatLong(map.H, map.W, 0).ray(column + 0.5, row + 0.5).direction;
-    const int N = map.W - 2 * cube_border;
-    const auto centred = [N](int i) { return (2 * (i - cube_border) + 1.0) / N - 1; };
-    return glm::normalize(cube_direction(row / map.W, centred(column), centred(row % map.W)));
-}
-
 // result (3) += sum over the maps of weight times the interpolated map: the sum of [RH02] eq. 7 or,
 // if zonal, eq. 6, the weights being Y_pq of the view.
-SHRM_CLONES
 void interpolate(const ReflectionMapView& map, const Stencil& s, const double* weights, float* result) {
     const std::size_t width = size(map.W), ring = size(map.maps()) * 3 * width;
     double sum[3] = {};
@@ -164,7 +121,6 @@ glm::dvec3 central_direction(Centre centre, std::span<const double> gamma, const
 void add_radiance(const ReflectionMapView& map, Centre centre, std::span<const double> gamma,
                   std::span<const glm::dvec3> axes, std::span<const glm::dvec3> views, bool bilinear,
                   std::span<float> radiance) {
-    const LegendreRecurrence recurrence(map.P);
     const auto n = static_cast<std::ptrdiff_t>(axes.size());
 #pragma omp parallel
     {
@@ -175,60 +131,13 @@ void add_radiance(const ReflectionMapView& map, Centre centre, std::span<const d
             glm::dvec3 view = views[views.size() == 1 ? 0 : at];
             const glm::dvec3 C = central_direction(centre, gamma, axes[at], view);
             if (map.zonal)
-                zonal_harmonics(recurrence, map.P, glm::dot(C, view), Y.data());
+                zonal_harmonics(map.P, glm::dot(C, view), Y.data());
             else
-                real_harmonics(recurrence, map.P, view, Y.data());
+                real_harmonics(map.P, view, Y.data());
             const Stencil stencil = map.layout == MapLayout::cube
                                         ? cube_stencil(map.W, C, bilinear)
                                         : latlong_stencil(map.H, map.W, C, bilinear);
             interpolate(map, stencil, Y.data(), &radiance[3 * at]);
-        }
-    }
-}
-
-// One row of the sum over the maps [RH02] eq. 12: a product of functions of C and of V as in eq. 4.
-SHRM_CLONES
-static void view_ring(const ReflectionMapView& map, int row, const float* weights, float* sums,
-                      float* pixels) {
-    const std::size_t width = size(map.W), maps = size(map.maps());
-    const float* ring = map.rings.data() + size(row) * maps * 3 * width;
-    const std::size_t stride = map.zonal ? width : 0;  // a weight per texel, or one for all
-    std::fill_n(sums, 3 * width, 0.f);
-    for (std::size_t z = 0; z < maps; ++z)
-        for (std::size_t c = 0; c < 3; ++c, ring += width) {
-            float* sum = sums + c * width;
-            if (stride == 0) {
-                const float w = weights[z];
-                for (std::size_t j = 0; j < width; ++j) sum[j] += w * ring[j];
-            } else {
-                const float* w = weights + z * stride;
-                for (std::size_t j = 0; j < width; ++j) sum[j] += w[j] * ring[j];
-            }
-        }
-    for (std::size_t j = 0; j < width; ++j)
-        for (std::size_t c = 0; c < 3; ++c) pixels[3 * j + c] = sums[c * width + j];
-}
-
-void view_map(const ReflectionMapView& map, const glm::dvec3& view, std::span<float> pixels) {
-    const LegendreRecurrence recurrence(map.P);
-    std::vector<double> Y(basis_size(map.P));
-    real_harmonics(recurrence, map.P, view, Y.data());
-    const std::vector<float> of_view(Y.begin(), Y.end());
-    const std::size_t width = size(map.W);
-#pragma omp parallel
-    {
-        std::vector<float> sums(3 * width), of_texels(map.zonal ? size(map.P + 1) * width : 0);
-        std::vector<double> zonal(size(map.P + 1));
-#pragma omp for schedule(static)
-        for (int row = 0; row < map.H; ++row) {
-            for (int j = 0; map.zonal && j < map.W; ++j) {
-                zonal_harmonics(recurrence, map.P, glm::dot(texel_direction(map, row, j), view),
-                                zonal.data());
-                for (std::size_t p = 0; p < zonal.size(); ++p)
-                    of_texels[p * width + size(j)] = static_cast<float>(zonal[p]);
-            }
-            view_ring(map, row, map.zonal ? of_texels.data() : of_view.data(), sums.data(),
-                      &pixels[size(row) * width * 3]);
         }
     }
 }

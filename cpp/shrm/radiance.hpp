@@ -1,6 +1,7 @@
-// Reading reflection maps: the radiance of a surface point, and the map of all points under one view.
+// Reading reflection maps: the radiance of a surface point.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include <glm/vec3.hpp>
@@ -21,6 +22,7 @@ struct ReflectionMapView {
     int P;
     bool zonal;  // P + 1 maps of a series in Y_p0(angle between C and V), else (P+1)^2 in Y_pq(V)
     std::span<const float> rings;
+    std::span<const std::uint16_t> halves;  // IEEE half floats in place of rings
 
     int maps() const { return zonal ? P + 1 : (P + 1) * (P + 1); }
 };
@@ -44,8 +46,5 @@ glm::dvec3 central_direction(Centre centre, std::span<const double> gamma, const
 void add_radiance(const ReflectionMapView& map, Centre centre, std::span<const double> gamma,
                   std::span<const glm::dvec3> axes, std::span<const glm::dvec3> views, bool bilinear,
                   std::span<float> radiance);
-
-// The dynamic reflection map of one view, (H, W, 3) on the rings' own grid   [RH02] eq. 12
-void view_map(const ReflectionMapView& map, const glm::dvec3& view, std::span<float> pixels);
 
 }  // namespace shrm

@@ -33,7 +33,7 @@ std::size_t rho_index(int l, int p, int q, int P, int channels, int c) {
 void local_reflection_map(std::span<const double> light, std::span<const double> rho, int F, int P,
                           int channels, int H, int W, std::span<float> rings) {
     const RingFourier fourier(W, F);
-    const int maps = (P + 1) * (P + 1), stride = (maps * channels + 7) / 8 * 8;
+    const int maps = (P + 1) * (P + 1), planes = maps * channels, stride = 2 * planes;
     // recurrences (q, m = -F..F), shared by all rings, all p and all channels
     std::vector<WignerRecurrence> recurrences;
     for (int q = 0; q <= P; ++q)
@@ -46,7 +46,7 @@ void local_reflection_map(std::span<const double> light, std::span<const double>
 
 #pragma omp parallel
     {
-        std::vector<float> modes(size(F + 1) * size(2 * stride)), scratch;
+        std::vector<float> modes(size(F + 1) * size(stride));
         std::vector<Complex> B(size(2 * (P + 1) * channels));  // (sign of m, p, channel) at one q and |m|
 #pragma omp for schedule(static)
         for (int i = 0; i < H; ++i) {
@@ -79,19 +79,18 @@ void local_reflection_map(std::span<const double> light, std::span<const double>
                         for (int c = 0; c < channels; ++c) {
                             const Complex u = B[size(p * channels + c)],
                                           v = B[size((P + 1 + p) * channels + c)];
-                            float* mode = &modes[size(m * 2 * stride)];
+                            float* mode = &modes[size(m * stride)];
                             const double norm = q ? std::numbers::sqrt2 : 1;
                             const int re = (p * (p + 1) + q) * channels + c,
                                       im = (p * (p + 1) - q) * channels + c;
                             mode[re] = static_cast<float>(norm * (u.real() + v.real()));
-                            mode[stride + re] = static_cast<float>(norm * (v.imag() - u.imag()));
+                            mode[planes + re] = static_cast<float>(norm * (v.imag() - u.imag()));
                             if (q == 0) continue;
                             mode[im] = static_cast<float>(-norm * (u.imag() + v.imag()));
-                            mode[stride + im] = static_cast<float>(-norm * (u.real() - v.real()));
+                            mode[planes + im] = static_cast<float>(-norm * (u.real() - v.real()));
                         }
                 }
-            fourier.synthesise(modes.data(), maps * channels, stride,
-                               &rings[size(i) * size(maps * channels) * size(W)], scratch);
+            fourier.synthesise(modes.data(), planes, stride, &rings[size(i) * size(planes) * size(W)]);
         }
     }
 }
@@ -138,60 +137,6 @@ void global_from_local(std::span<const float> local, int P, int channels, int H,
                     }
                 }
         }
-    }
-}
-
-void global_coefficients(std::span<const double> light, std::span<const double> rho, int F, int P,
-                         int channels, std::span<double> coefficients) {
-    const ClebschGordan coupling(2 * (F + P) + 1);
-    const int J = F + P, n = channels, maps = (P + 1) * (P + 1);
-    std::fill(coefficients.begin(), coefficients.end(), 0.);
-    std::vector<std::pair<int, int>> orders;
-    for (int p = 0; p <= P; ++p)
-        for (int q = 0; q <= p; ++q) orders.emplace_back(p, q);
-#pragma omp parallel for schedule(dynamic)
-    for (std::size_t index = 0; index < orders.size(); ++index) {
-        const auto [p, q] = orders[index];
-        std::vector<Complex> b(basis_size(J) * size(n));  // b^pq_jk, complex basis
-        std::vector<double> shape(size(n));               // shape_lj, one l and one j at a time
-        for (int l = 0; l <= F; ++l)
-            for (int j = std::abs(l - p); j <= l + p; j += 2) {  // odd l + p - j cancels between s and -s
-                std::fill(shape.begin(), shape.end(), 0.);
-                for (int s = -std::min(l, p); s <= std::min(l, p); ++s) {
-                    const double w =
-                        std::sqrt(4 * pi / (2 * j + 1)) * (s % 2 ? -1 : 1) * coupling(l, s, p, -s, j);
-                    for (int c = 0; c < n; ++c)
-                        shape[size(c)] += w * rho[rho_index(l, p, std::abs(s), P, n, c)];
-                }
-                for (int k = std::max(-j, -l - q); k <= std::min(j, l - q); ++k) {
-                    // L_lm rho_lps of [RH02] eq. 5 at m = k + q, summed over s in `shape`
-                    const double w = (q % 2 ? -1 : 1) * coupling(l, k + q, p, -q, j);
-                    for (int c = 0; c < n; ++c)
-                        b[lm(j, k) * size(n) + size(c)] +=
-                            w * shape[size(c)] * complex_coefficient(light, l, k + q, n, c);
-                }
-            }
-        // The maps sqrt2 Re B~_pq and -sqrt2 Im B~_pq are real functions: x_jk = (b_jk + (-1)^k conj b_j,-k)
-        // / 2 and likewise for the imaginary part, then into the real basis.
-        const double norm = q ? std::numbers::sqrt2 : 1;
-        for (int j = 0; j <= F + p; ++j)
-            for (int k = 0; k <= j; ++k)
-                for (int c = 0; c < n; ++c) {
-                    const Complex plus = b[lm(j, k) * size(n) + size(c)];
-                    const Complex minus = std::conj(b[lm(j, -k) * size(n) + size(c)]) * (k % 2 ? -1. : 1.);
-                    const Complex re = norm * (plus + minus) / 2.,
-                                  im = -norm * (plus - minus) / Complex(0, 2);
-                    const auto store = [&](int map_q, Complex value) {
-                        const auto at = [&](int order) -> double& {
-                            return coefficients[(lm(j, order) * size(maps) + lm(p, map_q)) * size(n) +
-                                                size(c)];
-                        };
-                        at(k) = k ? std::numbers::sqrt2 * value.real() : value.real();
-                        if (k) at(-k) = -std::numbers::sqrt2 * value.imag();
-                    };
-                    store(q, re);
-                    if (q) store(-q, im);
-                }
     }
 }
 

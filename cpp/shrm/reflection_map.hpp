@@ -24,18 +24,4 @@ void local_reflection_map(std::span<const double> light, std::span<const double>
 void global_from_local(std::span<const float> local, int P, int channels, int H, int W,
                        std::span<float> global);
 
-// The global form at once. Its maps B~_pq are scalar and band-limited to degree F + p; these are their
-// spherical harmonic coefficients:
-//
-//   B~_pq    = sum_jk b^pq_jk Y_jk
-//   b^pq_jk  = (-1)^q sum_l <l k+q p -q | j k> L_{l,k+q} shape_lj
-//   shape_lj = sqrt(4 pi / (2j+1)) sum_s (-1)^s <l s p -s | j 0> rho_lp|s|
-//
-// which is [RH02] eq. 14 put into eq. 8 and the product of the two d summed by the Clebsch-Gordan series
-// [VMK88 4.6].
-//
-//   coefficients ((F+P+1)^2, (P+1)^2, channels), real basis in both indices
-void global_coefficients(std::span<const double> light, std::span<const double> rho, int F, int P,
-                         int channels, std::span<double> coefficients);
-
 }  // namespace shrm

@@ -2,60 +2,83 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "shrm/core.hpp"
+#include "shrm/simd.hpp"
 
 namespace shrm {
 namespace {
 
-typedef float f8 __attribute__((vector_size(32)));
-typedef float f8u __attribute__((vector_size(32), aligned(4)));  // loads from any address
-
-// products(r, j) = sum over k of rows(r, k) table(k, j), for 8 columns j. At most 256 texels are added up in
-// float32, those sums in float64.
-template <int R>
-inline void analysis_product(const float* rows, int K, const float* table, int columns, double* products) {
+// modes(r, j) = sum over k of rows(r, k) table(k, j), for V vectors of columns j. At most 256 texels are
+// added up one by one, then those sums: rounding grows with the root of 256, not of W. Each product of a row
+// takes its texel straight from memory, so that the two loads a cycle feed the two units that multiply.
+template <int R, int V>
+SHRM_KERNEL inline void analysis_product(const float* rows, int row_pitch, int K, const float* table,
+                                         int columns, float* modes, int mode_pitch) {
     constexpr int block = 256;
     for (int k0 = 0; k0 < K; k0 += block) {
-        f8 sums[R] = {};
-        for (int k = k0; k < std::min(K, k0 + block); ++k) {
-            const f8 t = *reinterpret_cast<const f8u*>(table + size(k) * size(columns));
-            for (int r = 0; r < R; ++r) sums[r] += rows[size(r) * size(K) + size(k)] * t;
+        Floats sums[R][V] = {};
+        const int end = std::min(K, k0 + block);
+        for (int k = k0; k < end; ++k) {
+            Floats t[V];
+            unrolled<V>([&](auto v) {
+                t[v] = load(table + size(k) * size(columns) + v * lanes);
+                keep(t[v]);
+            });
+            unrolled<R>([&](auto r) {
+                const float texel = rows[size(r) * size(row_pitch) + size(k)];
+                unrolled<V>([&](auto v) { sums[r][v] += texel * t[v]; });
+            });
         }
-        for (int r = 0; r < R; ++r)
-            for (int j = 0; j < 8; ++j) products[r * 8 + j] += double(sums[r][j]);
+        unrolled<R>([&](auto r) {
+            unrolled<V>([&](auto v) {
+                float* to = modes + size(r) * size(mode_pitch) + v * lanes;
+                store(to, k0 == 0 ? sums[r][v] : load(to) + sums[r][v]);
+            });
+        });
     }
+}
+
+// Sums that fit the registers beside the V vectors of the table.
+constexpr int rows_at_once(int V) {
+    return V == 1 || vector_registers >= 32 ? 12 : 6;
+}
+
+template <int V>
+inline void analysis_rows(const float* rows, int count, int row_pitch, int K, const float* table, int columns,
+                          float* modes, int mode_pitch) {
+    constexpr int R = rows_at_once(V);
+    for (int r = 0; r < count; r += R)
+        analysis_product<R, V>(rows + size(r) * size(row_pitch), row_pitch, K, table, columns,
+                               modes + size(r) * size(mode_pitch), mode_pitch);
 }
 
 }  // namespace
 
 RingFourier::RingFourier(int W, int max_order)
     : W_(W),
-      max_order_(max_order),
       quarters_(W % 2 == 0),
       K_(quarters_ ? (W + 2) / 4 : (W + 1) / 2),
-      K_padded_(round_up(K_, 16)) {
+      K_padded_(round_up(K_, 2 * lanes)),
+      mode_pitch_(0) {
     const double step = 2 * pi / W;
-    for (int m = 0; m <= max_order; ++m) {
-        const double half = m * step / 2;
-        weight_sample_.push_back(step);
-        weight_area_.push_back(m == 0 ? step : step * std::sin(half) / half);
-    }
-    const int stride = quarters_ ? 2 : 1;
     for (bool sine : {false, true})
-        for (int parity = 0; parity < stride; ++parity) {
+        for (int parity = 0; parity < order_step(); ++parity) {
             Fold f;
             f.sine = sine;
             f.sign_b = sine != (parity == 1) ? -1.f : 1.f;
             f.sign_d = sine ? -1.f : 1.f;
-            for (int m = parity; m <= max_order; m += stride) f.orders.push_back(m);
-            const int n = static_cast<int>(f.orders.size());
-            f.columns = round_up(n, 8);
+            f.first = parity;
+            f.orders = max_order < parity ? 0 : (max_order - parity) / order_step() + 1;
+            f.columns = round_up(f.orders, lanes);
+            f.first_mode = mode_pitch_;
+            mode_pitch_ += f.columns;
             f.by_texel.assign(size(K_) * size(f.columns), 0);
-            f.by_order.assign(size(n) * size(K_padded_), 0);
-            for (int i = 0; i < n; ++i) {
+            f.by_order.assign(size(f.orders) * size(K_padded_), 0);
+            for (int i = 0; i < f.orders; ++i) {
                 // phi = pi - psi: cos(m phi) = (-1)^m cos(m psi), sin(m phi) = -(-1)^m sin(m psi)
-                const int m = f.orders[size(i)];
+                const int m = f.first + i * order_step();
                 const double sign = (m % 2 ? -1 : 1) * (sine ? -1 : 1);
                 for (int k = 0; k < K_; ++k) {
                     const double psi = (k + 0.5) * step;
@@ -69,101 +92,152 @@ RingFourier::RingFourier(int W, int max_order)
         }
 }
 
-inline void RingFourier::fold(const Fold& f, const float* planar, float* folded) const {
-    if (quarters_) {
-        const float b = f.sign_b, c = f.sign_b * f.sign_d, d = f.sign_d;
-        const float *B = planar + W_ / 2 - 1, *C = planar + W_ / 2, *D = planar + W_ - 1;
-        for (int k = 0; k < K_; ++k) folded[k] = (planar[k] + d * D[-k]) + (b * B[-k] + c * C[k]);
-    } else {
-        const float* D = planar + W_ - 1;
-        for (int k = 0; k < K_; ++k) folded[k] = planar[k] + f.sign_d * D[-k];
-    }
+std::size_t RingFourier::mode_at(bool sine, int m) const {
+    const Fold& f = folds_[size(sine * order_step() + m % order_step())];
+    return size(f.first_mode + m / order_step());
+}
+
+// One row of the circle to the folds, [fold] -> (K).
+inline void RingFourier::fold(const float* planar, float* const* folded) const {
+    const float *B = planar + W_ / 2 - 1, *C = planar + W_ / 2, *D = planar + W_ - 1;
+    const auto quarters = [&](int k, auto a, auto b, auto c, auto d, const auto& put) {
+        put(folded[0] + k, (a + d) + (b + c));
+        put(folded[1] + k, (a + d) - (b + c));
+        put(folded[2] + k, (a - d) - (b - c));
+        put(folded[3] + k, (a - d) + (b - c));
+    };
+    const auto halves = [&](int k, auto a, auto d, const auto& put) {
+        put(folded[0] + k, a + d);
+        put(folded[1] + k, a - d);
+    };
+    const auto put_vector = [](float* to, Floats v) { store(to, v); };
+    const auto put_one = [](float* to, float v) { *to = v; };
+    const auto before = [](const float* last) { return reversed(load(last - (lanes - 1))); };
+    int k = 0;
+    for (; k + lanes <= K_; k += lanes)
+        if (quarters_)
+            quarters(k, load(planar + k), before(B - k), load(C + k), before(D - k), put_vector);
+        else
+            halves(k, load(planar + k), before(D - k), put_vector);
+    for (; k < K_; ++k)
+        if (quarters_)
+            quarters(k, planar[k], B[-k], C[k], D[-k], put_one);
+        else
+            halves(k, planar[k], D[-k], put_one);
     // A texel on the fold is its own mirror image and was counted twice.
-    if (W_ % 4 != 0) folded[K_ - 1] /= 2;
+    if (W_ % 4 != 0)
+        for (std::size_t t = 0; t < folds_.size(); ++t) folded[t][K_ - 1] /= 2;
 }
 
-inline void RingFourier::unfold(const float* const* parts, float* ring) const {
-    if (quarters_) {
-        const float *ce = parts[0], *co = parts[1], *se = parts[2], *so = parts[3];
-        float *B = ring + W_ / 2 - 1, *C = ring + W_ / 2, *D = ring + W_ - 1;
-        for (int k = 0; k < K_; ++k) ring[k] = (ce[k] + co[k]) + (se[k] + so[k]);
-        for (int k = 0; k < K_; ++k) B[-k] = (ce[k] - co[k]) - (se[k] - so[k]);
-        for (int k = 0; k < K_; ++k) C[k] = (ce[k] - co[k]) + (se[k] - so[k]);
-        for (int k = 0; k < K_; ++k) D[-k] = (ce[k] + co[k]) - (se[k] + so[k]);
-    } else {
-        for (int k = 0; k < K_; ++k) ring[k] = parts[0][k] + parts[1][k];
-        for (int k = 0; k < K_; ++k) ring[W_ - 1 - k] = parts[0][k] - parts[1][k];
+void RingFourier::analyse(const float* planar, int rows, float* folded, float* modes) const {
+    const std::size_t plane = size(rows) * size(K_padded_);
+    for (int r = 0; r < rows; ++r) {
+        float* parts[4];
+        for (std::size_t t = 0; t < folds_.size(); ++t)
+            parts[t] = folded + t * plane + size(r) * size(K_padded_);
+        fold(planar + size(r) * size(W_), parts);
+    }
+    for (std::size_t t = 0; t < folds_.size(); ++t) {
+        const Fold& f = folds_[t];
+        int j = 0;
+        for (; j + 2 * lanes <= f.columns; j += 2 * lanes)
+            analysis_rows<2>(folded + t * plane, rows, K_padded_, K_, f.by_texel.data() + j, f.columns,
+                             modes + f.first_mode + j, mode_pitch_);
+        for (; j < f.columns; j += lanes)
+            analysis_rows<1>(folded + t * plane, rows, K_padded_, K_, f.by_texel.data() + j, f.columns,
+                             modes + f.first_mode + j, mode_pitch_);
     }
 }
 
-SHRM_CLONES
-void RingFourier::analyse(const float* ring, int channels, Texel texel, double* modes,
-                          std::vector<float>& scratch) const {
-    scratch.resize(size(channels) * size(W_ + K_));
-    float* planar = scratch.data();
-    float* folded = planar + size(channels) * size(W_);
-    for (int c = 0; c < channels; ++c)
-        for (int j = 0; j < W_; ++j)
-            planar[size(c) * size(W_) + size(j)] = ring[size(j) * size(channels) + size(c)];
+namespace {
 
-    const std::vector<double>& weight = texel == Texel::area ? weight_area_ : weight_sample_;
-    for (const Fold& f : folds_) {
-        for (int c = 0; c < channels; ++c) fold(f, planar + size(c) * size(W_), folded + size(c) * size(K_));
-        for (int i0 = 0; i0 < f.columns; i0 += 8)
-            for (int c0 = 0; c0 < channels; c0 += 3) {
-                const int rows = std::min(3, channels - c0);
-                const float* first = folded + size(c0) * size(K_);
-                const float* table = f.by_texel.data() + i0;
-                double products[24] = {};
-                if (rows == 3)
-                    analysis_product<3>(first, K_, table, f.columns, products);
-                else if (rows == 2)
-                    analysis_product<2>(first, K_, table, f.columns, products);
-                else
-                    analysis_product<1>(first, K_, table, f.columns, products);
-                const int columns = std::min(8, static_cast<int>(f.orders.size()) - i0);
-                for (int r = 0; r < rows; ++r)
-                    for (int i = 0; i < columns; ++i) {
-                        const std::size_t m = size(f.orders[size(i0 + i)]);
-                        modes[(size(c0 + r) * 2 + f.sine) * size(max_order_ + 1) + m] =
-                            weight[m] * products[r * 8 + i];
-                    }
-            }
+// A vector of folded texels k.. to its place; the last may hang over the quarter's end.
+inline void store_forward(float* to, Floats v, int count) {
+    if (count >= lanes)
+        store(to, v);
+    else
+        for (int i = 0; i < count; ++i) to[i] = v[i];
+}
+
+inline void store_backward(float* last, Floats v, int count) {
+    if (count >= lanes)
+        store(last - (lanes - 1), reversed(v));
+    else
+        for (int i = 0; i < count; ++i) last[-i] = v[i];
+}
+
+// Vectors of texels at once: what the registers hold of 4 folds and 3 channels.
+inline constexpr int synthesis_vectors = vector_registers >= 32 ? 2 : 1;
+
+}  // namespace
+
+template <int Folds, int Channels>
+SHRM_KERNEL inline void RingFourier::synthesise_channels(const float* modes, int channels, int stride,
+                                                         float* const* rings) const {
+    constexpr int V = synthesis_vectors;
+    const std::ptrdiff_t step = std::ptrdiff_t(order_step()) * stride;
+    // The folds have as many orders each, or one more where they are even.
+    const int common = folds_[size(order_step() - 1)].orders;
+    for (int k = 0; k < K_; k += V * lanes) {
+        const float *h[Folds], *table[Folds];
+        for (int t = 0; t < Folds; ++t) {
+            const Fold& f = folds_[size(t)];
+            h[t] = modes + f.first * stride + (f.sine ? channels : 0);
+            table[t] = f.by_order.data() + k;
+        }
+        Floats sums[Folds][Channels][V] = {};
+        const auto add = [&](auto t) {
+            unrolled<V>([&](auto v) {
+                Floats row = load(table[t] + v * lanes);
+                keep(row);
+                unrolled<Channels>([&](auto c) { sums[t][c][v] += h[t][c] * row; });
+            });
+            table[t] += K_padded_;
+            h[t] += step;
+        };
+        for (int i = 0; i < common; ++i) unrolled<Folds>(add);
+        unrolled<Folds>([&](auto t) {
+            if (folds_[size(t)].orders > common) add(t);
+        });
+
+        unrolled<Channels>([&](auto c) {
+            unrolled<V>([&](auto v) {
+                const int at = k + v * lanes, count = K_ - at;
+                float* ring = rings[c];
+                if constexpr (Folds == 4) {
+                    const Floats even = sums[0][c][v] + sums[2][c][v], odd = sums[1][c][v] + sums[3][c][v],
+                                 even_d = sums[0][c][v] - sums[2][c][v],
+                                 odd_d = sums[1][c][v] - sums[3][c][v];
+                    store_forward(ring + at, even + odd, count);
+                    store_backward(ring + W_ / 2 - 1 - at, even_d - odd_d, count);
+                    store_forward(ring + W_ / 2 + at, even - odd, count);
+                    store_backward(ring + W_ - 1 - at, even_d + odd_d, count);
+                } else {
+                    store_forward(ring + at, sums[0][c][v] + sums[1][c][v], count);
+                    store_backward(ring + W_ - 1 - at, sums[0][c][v] - sums[1][c][v], count);
+                }
+            });
+        });
     }
 }
 
-SHRM_CLONES
-void RingFourier::synthesise(const float* modes, int channels, int stride, float* ring,
-                             std::vector<float>& scratch) const {
-    constexpr int R = 4;  // channels at a time
-    scratch.resize(size(4 * R) * size(K_padded_));
-    for (int c0 = 0; c0 < channels; c0 += R) {
-        for (std::size_t t = 0; t < folds_.size(); ++t) {
-            const Fold& f = folds_[t];
-            for (int k = 0; k < K_padded_; k += 16) {
-                f8 sums[R][2] = {};
-                for (std::size_t i = 0; i < f.orders.size(); ++i) {
-                    const float* h = modes + (size(f.orders[i]) * 2 + f.sine) * size(stride) + c0;
-                    const float* table = f.by_order.data() + i * size(K_padded_) + k;
-                    const f8 t0 = *reinterpret_cast<const f8u*>(table);
-                    const f8 t1 = *reinterpret_cast<const f8u*>(table + 8);
-                    for (int r = 0; r < R; ++r) {
-                        sums[r][0] += h[r] * t0;
-                        sums[r][1] += h[r] * t1;
-                    }
-                }
-                for (int r = 0; r < R; ++r) {
-                    float* part = scratch.data() + (size(r) * 4 + t) * size(K_padded_) + k;
-                    *reinterpret_cast<f8u*>(part) = sums[r][0];
-                    *reinterpret_cast<f8u*>(part + 8) = sums[r][1];
-                }
-            }
-        }
-        for (int r = 0; r < std::min(R, channels - c0); ++r) {
-            const float* parts[4];
-            for (int t = 0; t < 4; ++t) parts[t] = scratch.data() + size(r * 4 + t) * size(K_padded_);
-            unfold(parts, ring + size(c0 + r) * size(W_));
-        }
+void RingFourier::synthesise(const float* modes, int channels, int stride, float* ring) const {
+    for (int c = 0; c < channels; c += 3) {
+        float* rings[3];
+        for (int i = 0; i < 3; ++i) rings[i] = ring + size(c + i) * size(W_);
+        const int count = std::min(3, channels - c);
+        const auto run = [&]<int Folds>() {
+            if (count == 3)
+                synthesise_channels<Folds, 3>(modes + c, channels, stride, rings);
+            else if (count == 2)
+                synthesise_channels<Folds, 2>(modes + c, channels, stride, rings);
+            else
+                synthesise_channels<Folds, 1>(modes + c, channels, stride, rings);
+        };
+        if (quarters_)
+            run.template operator()<4>();
+        else
+            run.template operator()<2>();
     }
 }
 

@@ -1,12 +1,11 @@
 // The Fourier half of the transforms: one ring of equally spaced texels, in the convention of core.hpp, to
 // and from its modes cos(m phi), sin(m phi). Folding phi four ways (two when W is odd) leaves a quarter of
 // the circle and splits cosines from sines and even from odd orders: a quarter of the plain matrix product,
-// and for the orders in use faster than an FFT.
+// and for the orders in use faster than an FFT (bench/README.md).
 #pragma once
 
+#include <cstddef>
 #include <vector>
-
-#include "shrm/sh.hpp"
 
 namespace shrm {
 
@@ -14,15 +13,21 @@ class RingFourier {
   public:
     RingFourier(int W, int max_order);
 
-    // modes (channels, 2, max_order + 1): the integrals over phi of ring cos(m phi) and ring sin(m phi).
-    //   ring (W, channels); scratch is the caller's, one per thread
-    void analyse(const float* ring, int channels, Texel texel, double* modes,
-                 std::vector<float>& scratch) const;
+    // Rows are folded and transformed so many at a time; their number is rounded up to a multiple of it.
+    static constexpr int row_block = 12;
+
+    // modes(row, j) = sum over the ring of row(k) cos(m phi_k), or sin(m phi_k), for the orders of each fold:
+    // mode_at() says where m is.
+    //   planar (rows, W); folded (folds() * rows, pitch()) is the caller's; modes (rows, mode_pitch())
+    void analyse(const float* planar, int rows, float* folded, float* modes) const;
+    int folds() const { return static_cast<int>(folds_.size()); }
+    int pitch() const { return K_padded_; }
+    int mode_pitch() const { return mode_pitch_; }
+    std::size_t mode_at(bool sine, int m) const;
 
     // ring (channels, W) = sum over m of modes(m, 0, c) cos(m phi) + modes(m, 1, c) sin(m phi).
-    //   modes (max_order + 1, 2, stride) with the channels first; stride >= channels, a multiple of 4
-    void synthesise(const float* modes, int channels, int stride, float* ring,
-                    std::vector<float>& scratch) const;
+    //   modes (max_order + 1, stride): the channels of the cosine, then those of the sine
+    void synthesise(const float* modes, int channels, int stride, float* ring) const;
 
   private:
     // The orders that share one folding. With psi = pi - phi the quarters of the ring lie at psi, pi - psi,
@@ -30,19 +35,22 @@ class RingFourier {
     struct Fold {
         bool sine;
         float sign_b, sign_d;
-        std::vector<int> orders;
-        int columns;                  // orders.size() rounded up to 8
+        int first, orders;  // first, first + order_step(), ...
+        int columns;        // orders rounded up to whole vectors
+        int first_mode;
         std::vector<float> by_texel;  // (K, columns), for analysis
-        std::vector<float> by_order;  // (orders, K rounded up to 16), for synthesis
+        std::vector<float> by_order;  // (orders, K_padded), for synthesis
     };
-    void fold(const Fold& fold, const float* planar, float* folded) const;
-    void unfold(const float* const* parts, float* ring) const;
+    int order_step() const { return quarters_ ? 2 : 1; }
+    void fold(const float* planar, float* const* folded) const;
+    template <int Folds, int Channels>
+    void synthesise_channels(const float* modes, int channels, int stride, float* const* rings) const;
 
-    int W_, max_order_;
-    bool quarters_;     // four foldings, or two
+    int W_;
+    bool quarters_;     // four folds, or two
     int K_, K_padded_;  // texels in a folded ring
+    int mode_pitch_;
     std::vector<Fold> folds_;
-    std::vector<double> weight_sample_, weight_area_;  // per order: dphi, dphi sinc(m dphi / 2)
 };
 
 }  // namespace shrm

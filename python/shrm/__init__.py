@@ -9,7 +9,7 @@ rendered in real time:
 >>> radiance = rm.radiance([[0.0, 0.0, 1.0]], [0.6, 0.0, 0.8])
 
 The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `orders`, `prefiltering`,
-`reflection_map`, `explicit`, `reference`, `render`.
+`relighting`, `reflection_map`, `explicit`, `reference`, `render`.
 """
 
 from shrm import brdf, explicit, orders, sh
@@ -19,6 +19,7 @@ from shrm.orders import ToleranceWarning
 from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
 from shrm.reflection_map import ReflectionMap
+from shrm.relighting import Prefilter
 
 __version__ = "0.1.0"
 
@@ -26,6 +27,7 @@ __all__ = [
     "Environment",
     "ImageError",
     "ImageWarning",
+    "Prefilter",
     "ReflectionMap",
     "ToleranceWarning",
     "brdf",

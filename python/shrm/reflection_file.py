@@ -154,7 +154,8 @@ def _part(images: Mapping[str, image_io.Part], k: int) -> Part:
         return _bordered(part, maps)
     if rows % 2 or columns != 2 * rows:
         raise ValueError(f"lat-long maps of {columns} x {rows} texels")
-    return Part(part.center, gamma, zonal, "latlong", light, rho, np.ascontiguousarray(part.rings))
+    rings = np.ascontiguousarray(part.rings, dtype=np.float32)
+    return Part(part.center, gamma, zonal, "latlong", light, rho, rings)
 
 
 def _bordered(part: Part, maps: npt.NDArray[np.float32]) -> Part:

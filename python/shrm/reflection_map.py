@@ -32,6 +32,7 @@ from shrm.sh import basis_size, degree_of
 from shrm.validation import one_of, unit_vectors
 
 FloatArray = npt.NDArray[np.float64]
+Float16Array = npt.NDArray[np.float16]
 Float32Array = npt.NDArray[np.float32]
 Layout = Literal["latlong", "cube"]
 Interpolation = Literal["cubic", "bilinear"]
@@ -57,7 +58,7 @@ class Part:
         L_lm in the real basis of `shrm.sh`; (0, 3) for maps fitted to pictures.
     rho : (F+1, P+1, P+1, 3) float64
         rho_lpq at [l, p, q], zero where q > min(l, p); windows included.
-    rings : (H, maps, 3, W) float32
+    rings : (H, maps, 3, W) float32 or float16
         The maps as they lie in memory: row by row. A cube has 6 (N + 4) rows of N + 4 texels, each face with
         a border of two texels in its own plane.
     """
@@ -68,7 +69,7 @@ class Part:
     layout: Layout
     light: FloatArray
     rho: FloatArray
-    rings: Float32Array
+    rings: Float32Array | Float16Array
 
     @property
     def F(self) -> int:
@@ -87,7 +88,7 @@ class Part:
         return int(self.rings.shape[0] if self.layout == "latlong" else self.rings.shape[3] - 2 * BORDER)
 
     @property
-    def maps(self) -> Float32Array:
+    def maps(self) -> Float32Array | Float16Array:
         """The coefficient maps, a view.
 
         ((P+1)^2, H, W, 3) float32 at index p(p+1)+q of the real basis, or (P+1, H, W, 3) at index p if
@@ -184,6 +185,19 @@ class Part:
         rings = _core.local_reflection_map(light=self.light, rho=self.rho, H=H, W=width)
         return np.asarray(rings.transpose(1, 0, 3, 2))
 
+    def as_half(self) -> Part:
+        """Return the same maps as half floats.
+
+        Raises
+        ------
+        ValueError
+            If a value is beyond 65504, the largest of them.
+        """
+        largest = float(np.abs(self.rings).max())
+        if largest > float(np.finfo(np.float16).max):
+            raise ValueError(f"half floats end at 65504, and the maps reach {largest:.3g}: use half=False")
+        return replace(self, rings=self.rings.astype(np.float16))
+
     def resized(self, size: int, layout: Layout) -> Part:
         """Return the same lobe on another grid, made from its coefficients.
 
@@ -199,10 +213,8 @@ def synthesised(coefficients: FloatArray, size: int, layout: Layout) -> Float32A
     if layout == "latlong":
         rings = _core.synthesis(coefficients=columns, H=size, W=2 * size)
         return np.asarray(rings).reshape(size, maps, 3, 2 * size)
-    directions = _core.cube_directions(N=size)
-    rows, side = directions.shape[:2]
-    values = _core.evaluate_float(coefficients=columns, directions=directions.reshape(-1, 3))
-    return np.ascontiguousarray(values.reshape(rows, side, maps, 3).transpose(0, 2, 3, 1))
+    rings = _core.cube_synthesis(coefficients=columns, N=size)
+    return np.asarray(rings).reshape(len(rings), maps, 3, size + 2 * BORDER)
 
 
 @dataclass(frozen=True, eq=False)
@@ -315,7 +327,9 @@ class ReflectionMap:
             )
         return np.maximum(radiance, 0) if self.clamp else radiance
 
-    def at_view(self, view: npt.ArrayLike) -> Float32Array | dict[str, Float32Array]:
+    def at_view(
+        self, view: npt.ArrayLike, out: Float32Array | None = None
+    ) -> Float32Array | dict[str, Float32Array]:
         """Return the dynamic reflection map of a distant viewer [RH02 eq. 12].
 
         An ordinary reflection map: look it up at the central direction C of each point.
@@ -324,6 +338,8 @@ class ReflectionMap:
         ----------
         view : (3,) array_like
             Unit vector towards the eye.
+        out : float32 array, optional
+            Takes the map of a material of one lobe, in C order.
 
         Returns
         -------
@@ -334,9 +350,11 @@ class ReflectionMap:
         Raises
         ------
         ValueError, TypeError
-            If view is not a unit vector.
+            If view is not a unit vector, or out does not fit.
         """
         V = unit_vectors("view", view, 1)
+        if out is not None and len(self.parts) > 1:
+            raise ValueError(f"out is for materials of one lobe, and {self.brdf} has {len(self.parts)}")
         maps: dict[str, Float32Array] = {}
         lobes = 0
         for part in self.parts:
@@ -344,16 +362,16 @@ class ReflectionMap:
             if part.center == "lobe":
                 lobes += 1
                 name = "lobe" if lobes == 1 else f"lobe {lobes}"
-            rings = _core.view_map(
-                rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V
+            N = part.size
+            shape = (6, N, N, 3) if part.layout == "cube" else (*part.rings.shape[::3], 3)
+            pixels = np.empty(shape, dtype=np.float32) if out is None else out
+            _core.view_map(
+                rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V, pixels=pixels
             )
-            if part.layout == "cube":
-                side = rings.shape[1]
-                inner = slice(BORDER, side - BORDER)
-                rings = rings.reshape(6, side, side, 3)[:, inner, inner]
-            maps[name] = maps[name] + rings if name in maps else rings
+            maps[name] = maps[name] + pixels if name in maps else pixels
         if self.clamp:
-            maps = {name: np.maximum(pixels, 0) for name, pixels in maps.items()}
+            for pixels in maps.values():
+                np.maximum(pixels, 0, out=pixels)
         return next(iter(maps.values())) if len(maps) == 1 else maps
 
     def save(self, path: str | Path) -> None:

@@ -14,13 +14,15 @@ References
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
 from shrm.validation import real_array, rotation, unit_vectors, whole_number
 
-__all__ = ["MAX_DEGREE", "analysis", "basis_size", "degree_of", "evaluate", "rotate", "synthesis"]
+__all__ = ["MAX_DEGREE", "Plan", "analysis", "basis_size", "degree_of", "evaluate", "rotate", "synthesis"]
 
 MAX_DEGREE = 1000
 """Degrees above this are refused; recurrences are checked to it."""
@@ -125,6 +127,97 @@ def rotate(coefficients: npt.ArrayLike, R: npt.ArrayLike) -> FloatArray:
         If coefficients has another shape, or R is no rotation.
     """
     return _core.rotate(coefficients=_coefficients(coefficients), R=rotation("R", R))
+
+
+class Plan:
+    """Analysis and synthesis at one size, again and again.
+
+    Its tables are made once; with `out` given, a call allocates no arrays. Threads may share a plan: each
+    waits for its turn.
+
+    Parameters
+    ----------
+    H, W : int
+        Rows and columns of the pictures, 1 to 65536.
+    F : int
+        Largest degree, 0 to 1000.
+    channels : int
+        Channels of the pictures, 1 to 4096.
+    areas : bool
+        Whether texels are areas, as in `Environment.coefficients`, or samples at their centres, as in
+        `analysis`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> plan = Plan(64, 128, F=10)
+    >>> coefficients = plan.analysis(np.ones((64, 128, 3), dtype=np.float32))
+    >>> coefficients.shape
+    (121, 3)
+    """
+
+    def __init__(self, H: int, W: int, F: int, channels: int = 3, *, areas: bool = False) -> None:
+        self.H = whole_number("H", H, 1, 65536)
+        self.W = whole_number("W", W, 1, 65536)
+        self.F = whole_number("F", F, 0, MAX_DEGREE)
+        self.channels = whole_number("channels", channels, 1, 4096)
+        if not isinstance(areas, bool):
+            raise TypeError(f"areas must be True or False, got {areas!r}")
+        self.areas = areas
+
+    def analysis(self, pixels: npt.NDArray[np.float32], out: FloatArray | None = None) -> FloatArray:
+        """Return the coefficients of a picture.
+
+        Parameters
+        ----------
+        pixels : (H, W, channels) float32 array
+            In C order.
+        out : ((F+1)^2, channels) float64 array, optional
+            In C order; takes the result.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an array has another shape, type or order, or pixels are not finite.
+        """
+        result = np.empty((basis_size(self.F), self.channels)) if out is None else out
+        self._analysis.run(pixels, result)
+        if not np.isfinite(result).all():  # one texel that is not finite reaches every coefficient
+            raise ValueError("pixels must be finite")
+        return result
+
+    def synthesis(
+        self, coefficients: FloatArray, out: npt.NDArray[np.float32] | None = None
+    ) -> npt.NDArray[np.float32]:
+        """Return the values at the texel centres, ring by ring and planar.
+
+        Parameters
+        ----------
+        coefficients : ((F+1)^2, channels) float64 array
+            In C order.
+        out : (H, channels, W) float32 array, optional
+            In C order; takes the result.
+
+        Returns
+        -------
+        (H, channels, W) float32
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an array has another shape, type or order.
+        """
+        result = np.empty((self.H, self.channels, self.W), dtype=np.float32) if out is None else out
+        self._synthesis.run(coefficients, result)
+        return result
+
+    @cached_property
+    def _analysis(self) -> _core.Analysis:
+        return _core.Analysis(H=self.H, W=self.W, channels=self.channels, F=self.F, areas=self.areas)
+
+    @cached_property
+    def _synthesis(self) -> _core.Synthesis:
+        return _core.Synthesis(H=self.H, W=self.W, channels=self.channels, F=self.F)
 
 
 def basis_size(F: int) -> int:

@@ -6,3 +6,48 @@ References
 ----------
 [RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from shrm.reproduce.result import Result, Settings
+
+__all__ = ["MODULES", "Result", "Settings", "make", "names"]
+
+MODULES = (
+    "table_2",
+    "table_3",
+    "figure_5",
+    "figure_6",
+    "figure_7",
+    "figure_8",
+)
+"""In the paper's order. A module is imported when its result is made: plots are slow to load."""
+
+
+def names() -> tuple[str, ...]:
+    """Return the results' names, such as "table-4", in the paper's order."""
+    return tuple(module.replace("_", "-") for module in MODULES)
+
+
+def make(name: str, settings: Settings) -> Result:
+    """Make one result.
+
+    Parameters
+    ----------
+    name : str
+        One of `names`.
+    settings : Settings
+        What it is made from.
+
+    Raises
+    ------
+    ValueError
+        If there is no result of that name.
+    """
+    if name not in names():
+        raise ValueError(f"name must be one of {', '.join(names())}, got {name!r}")
+    module = import_module(f"shrm.reproduce.{MODULES[names().index(name)]}")
+    result: Result = module.make(settings)
+    return result

@@ -55,10 +55,11 @@ def make(settings: Settings) -> Result:
         ["F of the light", "F of the BRDF", "smaller of both", f"F with {SHARE:.0%} of the reflected energy"],
         rows,
         [
-            "The light is blurred with Phong lobes, the materials of the other direction of the grid; a lobe's F "
-            f"holds {SHARE:.0%} of its energy.",
-            f"The smaller F is not exceeded in {below} of {len(cells)} cells. It is not reached because natural "
-            "light has less energy in higher degrees, and two blurs of equal F are as one of F / sqrt(2).",
+            "The light is blurred with Phong lobes, the materials of the other direction of the grid; "
+            f"a lobe's F holds {SHARE:.0%} of its energy.",
+            f"The smaller F is not exceeded in {below} of {len(cells)} cells. It is not reached because "
+            "natural light has less energy in higher degrees, and two blurs of equal F are as one of "
+            "F / sqrt(2).",
             f"Relative RMS difference of the reflected light (median): {within:.2f} between two cells of one "
             f"delimiter, {across:.2f} between neighbours on its two sides.",
         ],

@@ -29,10 +29,10 @@ VIEW = (1.0, 0.0, 0.0)  # any: the lobe is symmetric about R, so that all views 
 CURVES = {
     "measured": ("reflected light, measured", "0.0", "-", 2.2),
     "light": ("criterion light (ours)", "#d95f02", ":", 2.2),
+    "minimum": ("minimum of light and BRDF", "#1b9e77", "-.", 1.4),
     "bound": ("bound on the residual", "#7570b3", "--", 1.4),
-    "minimum": ("min(light, BRDF)", "#1b9e77", "-.", 1.4),
 }
-"""Text, colour, dashes and width of each curve, from the top one down."""
+"""Text, colour, dashes and width of each curve, from the highest accuracy down."""
 
 
 def make(settings: Settings) -> Result:
@@ -121,15 +121,15 @@ def _draw(accuracy: dict[str, FloatArray]) -> Figure:
         style = {"color": colour, "linestyle": dashes, "linewidth": width, "label": text}
         linear.plot(accuracy[name], **style)
         logarithmic.semilogy(1 - accuracy[name], **style)
-    _label(linear, "accuracy 1 − ε")
+    _label(linear, "accuracy 1 − ε", len(accuracy["measured"]) - 1)
     linear.set_ylim(0, 1.02)
     linear.legend(frameon=False, loc="lower right")
-    _label(logarithmic, "error ε, fraction of energy")
+    _label(logarithmic, "error ε, fraction of energy", len(accuracy["measured"]) - 1)
     logarithmic.set_ylim(1e-8, 2)
     return figure
 
 
-def _label(axes: Axes, ordinate: str) -> None:
-    axes.set(xlabel="frequency F", ylabel=ordinate, xlim=(0, None))
+def _label(axes: Axes, ordinate: str, last: int) -> None:
+    axes.set(xlabel="frequency F", ylabel=ordinate, xlim=(0, last))
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="0.9", linewidth=0.6)

@@ -41,7 +41,7 @@ NAME = "figure-7"
 SIGMA = 0.2
 F = 30
 ORDERS = (0, 1, 2, 3)
-INCIDENCE = {"from above": 30.0, "near grazing": 75.0}
+INCIDENCE = {"light at 30°": 30.0, "at 75°, grazing": 75.0}
 """Degrees between the normal and the brightest light where it is reflected."""
 CENTERS: Mapping[Center, str] = {"reflection": "R", "lobe": "the lobe"}
 
@@ -87,13 +87,13 @@ def make(settings: Settings) -> Result:
         ["view", "centre", "P", "relative RMS error", "its square", "BRDF error eps", "eps [RH02]"],
         rows,
         [
-            "Relative RMS error over the pixels of the sphere, colours pooled; eps is the fraction of the BRDF's "
-            "energy that F and P leave out. [RH02] states eps < .03 at P = 2.",
+            "Relative RMS error over the pixels of the sphere, colours pooled; eps is the fraction of the "
+            "BRDF's energy that F and P leave out. [RH02] states eps < .03 at P = 2.",
             "Exact pictures are integrals over the whole hemisphere for each pixel, from the same light of "
             f"{len(env.pixels)} rows. All pictures have one exposure; differences are not amplified.",
-            "[RH02] takes eps as a conservative estimate of the fraction of reflected energy that is lost, the "
-            f"square: about R it is one in {below} of these {len(about_R)} pictures. Near grazing single views can "
-            "lose more: eps is a mean over all.",
+            "[RH02] takes eps as a conservative estimate of the fraction of reflected energy that is lost, "
+            f"the square: about R it is one in {below} of these {len(about_R)} pictures. Near grazing single "
+            "views can lose more: eps is a mean over all.",
             "The lobe centre in place of the reflection is not in the paper.",
         ],
         _draw(seen, captured),
@@ -103,7 +103,7 @@ def make(settings: Settings) -> Result:
 def brdf_error(center: Center, P: int) -> float:
     """Fraction of the BRDF's energy that (F, P) leaves out."""
     brdf = Microfacet(SIGMA).recentred(center)
-    return error_of(brdf, [(F, P)], LightPower.natural(2 * F), "brdf").error
+    return error_of(brdf, [(F, P)], LightPower.natural(F), "brdf").error
 
 
 def view_reflecting(light: FloatArray, incidence: float) -> View:
@@ -158,7 +158,8 @@ def _draw(seen: dict[str, Seen], captured: dict[tuple[Center, int], float]) -> F
             for line, center in enumerate(CENTERS, start=1):
                 picture = view.series[center, P]
                 axes = place(difference(picture, view.exact), k, line, P)
-                caption(axes, f"{relative_rms(picture, view.exact):.1%}")
+                error = relative_rms(picture, view.exact)
+                caption(axes, f"{error:.0%}" if error >= 0.1 else f"{error:.1%}")
                 if P == 0:
                     axes.set_ylabel(f"difference\nabout {CENTERS[center]}", fontsize=9)
         axes = place(view.exact, k, 0, len(ORDERS))

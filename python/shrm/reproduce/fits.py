@@ -8,8 +8,8 @@ Löw: G is Cook and Torrance's, of V-grooves; F is Fresnel's for unpolarised lig
 G = G1(L) G1(V) with G1 = 1 + lambda (1 - exp(c (theta - theta0)^k)) beyond theta0, within [0, 1]; F = f0 -
 f1 (V.H) + (1 - f0) (1 - V.H)^5, which a few fits take below zero: it is cut there.
 
-Articles and programs differ about 1 / pi in the specular parts. With it both fits of a metal reflect about the
-same, and Bagher's pink felt is the measured one.
+Articles and programs differ about 1 / pi in the specular parts. With it both fits of a metal reflect about
+the same, and Bagher's pink felt is within a tenth of the measured one.
 
 A file is a JSON object of materials, each an object of parameters: numbers, or three for R, G, B.
 
@@ -98,9 +98,9 @@ def fresnel(ior: FloatArray | float, cos_d: FloatArray) -> FloatArray:
 
 
 SOURCES: Mapping[str, tuple[str, Callable[[Fit, str], BRDF] | None]] = {
-    "merl_abc_low2012.json": ("Löw et al. 2012", abc),
-    "merl_sgd_bagher2012.json": ("Bagher et al. 2012", sgd),
-    "lafortune_pbrt1.json": ("Lafortune et al. 1997", None),
+    "merl_abc_low2012.json": ("MERL, fits of Löw et al. 2012", abc),
+    "merl_sgd_bagher2012.json": ("MERL, fits of Bagher et al. 2012", sgd),
+    "lafortune_pbrt1.json": ("fits of Lafortune lobes", None),
 }
 """The files of a folder of fits: who made them, and what makes a material of each."""
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
+import os
+import secrets
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -48,7 +50,7 @@ class Result:
     name : str
         "table-4", "figure-6": the stem of its files.
     title : str
-        What it shows, one line.
+        What it shows, one line, without the paper's number: the name has it.
     columns : sequence of str
         Headings; those of the paper's own figures end in "[RH02]".
     rows : sequence of sequences
@@ -66,10 +68,13 @@ class Result:
     notes: Sequence[str] = ()
     figure: Figure | None = field(default=None, compare=False)
 
-    def markdown(self) -> str:
-        """Return the table with its title and notes."""
-        lines = [f"# {self.title}", "", _row(self.columns), _row("---" for _ in self.columns)]
+    def markdown(self, level: int = 1) -> str:
+        """Return the table with its title, picture and notes; the title is a heading of that level."""
+        kind, _, number = self.name.partition("-")
+        lines = [f"{'#' * level} {kind.capitalize()} {number}: {self.title}", ""]
+        lines += [_row(self.columns), _row("---" for _ in self.columns)]
         lines += [_row(_shown(cell) for cell in row) for row in self.rows]
+        lines += ["", f"![{self.title}]({self.name}.png)"] if self.figure is not None else []
         lines += ["", *(f"- {note}" for note in self.notes)] if self.notes else []
         return "\n".join(lines) + "\n"
 
@@ -84,20 +89,33 @@ class Result:
     def write(self, folder: Path) -> list[Path]:
         """Write `name.csv`, `name.md` and, if there is a figure, `name.png`; return their paths."""
         folder.mkdir(parents=True, exist_ok=True)
-        paths = [folder / f"{self.name}.csv", folder / f"{self.name}.md"]
-        paths[0].write_text(self.csv())
-        paths[1].write_text(self.markdown())
+        files = {"csv": self.csv().encode(), "md": self.markdown().encode()}
         if self.figure is not None:
-            paths.append(folder / f"{self.name}.png")
-            self.figure.savefig(paths[-1], dpi=150)
-        return paths
+            picture = io.BytesIO()
+            self.figure.savefig(picture, format="png", dpi=150)
+            files["png"] = picture.getvalue()
+        for suffix, content in files.items():
+            write_whole(folder / f"{self.name}.{suffix}", content)
+        return [folder / f"{self.name}.{suffix}" for suffix in files]
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file beside its place, then rename: it is whole or not there."""
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    try:
+        beside.write_bytes(content)
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 def _row(cells: Iterable[str]) -> str:
-    return "| " + " | ".join(cells) + " |"
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
 def _shown(cell: Cell) -> str:
     if cell is None:
         return ""
-    return f"{cell:.3g}" if isinstance(cell, float) else str(cell)
+    if not isinstance(cell, float):
+        return str(cell)
+    return f"{cell:.0f}" if 1e3 <= abs(cell) < 1e7 else f"{cell:.3g}"

@@ -1,0 +1,65 @@
+// IEEE half floats: 11 bits, 6e-8 to 65504. A map of halves takes half the memory, and half the
+// time where memory is the limit.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#if defined(__F16C__)
+#include <immintrin.h>
+#endif
+
+#include "shrm/simd.hpp"
+
+namespace shrm {
+
+using Half = std::uint16_t;
+
+inline float float_from(Half h) {
+    const std::uint32_t magnitude = h & 0x7fffu, sign = std::uint32_t(h & 0x8000u) << 16;
+    // The exponent's bias goes from 15 to 127 by a product, which makes subnormal numbers right too.
+    const float value = std::bit_cast<float>(magnitude << 13) * 0x1p112f;
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) | sign);
+}
+
+inline float float_from(float value) {
+    return value;
+}
+
+// To the nearest, ties to even.
+inline Half half_from(float value) {
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(value), sign = bits >> 16 & 0x8000u;
+    const float magnitude = std::bit_cast<float>(bits & 0x7fffffffu);
+    if (!(magnitude < 65520.f)) return static_cast<Half>(sign | (magnitude > 0 ? 0x7c00u : 0x7e00u));
+    if (magnitude < 0x1p-14f) {
+        // Subnormal: the sum's last bit is that of the half.
+        const std::uint32_t sum = std::bit_cast<std::uint32_t>(magnitude + 0.5f);
+        return static_cast<Half>(sign | (sum - std::bit_cast<std::uint32_t>(0.5f)));
+    }
+    const std::uint32_t m = bits & 0x7fffffffu;
+    return static_cast<Half>(sign | ((m - (112u << 23) + 0xfffu + (m >> 13 & 1u)) >> 13));
+}
+
+inline Floats load(const Half* from) {
+#if defined(__AVX512F__)
+    return Floats(_mm512_cvtph_ps(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from))));
+#elif defined(__F16C__)
+    return Floats(_mm256_cvtph_ps(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from))));
+#else
+    Floats v;
+    for (int i = 0; i < lanes; ++i) v[i] = float_from(from[i]);
+    return v;
+#endif
+}
+
+inline void store(Half* to, Floats v) {
+#if defined(__AVX512F__)
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm512_cvtps_ph(__m512(v), 0));
+#elif defined(__F16C__)
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm256_cvtps_ph(__m256(v), 0));
+#else
+    for (int i = 0; i < lanes; ++i) to[i] = half_from(v[i]);
+#endif
+}
+
+}  // namespace shrm

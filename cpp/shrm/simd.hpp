@@ -1,0 +1,96 @@
+// Vectors of the instruction set that a file is compiled for. For .cpp files only: what bindings include
+// must be the same for every instruction set.
+#pragma once
+
+#include <type_traits>
+#include <utility>
+
+// For the innermost functions: all they call, lambdas too, becomes part of them, and sums stay in registers.
+#define SHRM_KERNEL __attribute__((flatten))
+
+namespace shrm {
+
+#if defined(__AVX512F__)
+inline constexpr int lanes = 16;
+inline constexpr int vector_registers = 32;
+#elif defined(__AVX__)
+inline constexpr int lanes = 8;
+inline constexpr int vector_registers = 16;
+#else
+inline constexpr int lanes = 4;
+inline constexpr int vector_registers = 16;
+#endif
+
+typedef float Floats __attribute__((vector_size(lanes * sizeof(float))));
+typedef float UnalignedFloats __attribute__((vector_size(lanes * sizeof(float)), aligned(sizeof(float))));
+
+inline Floats load(const float* from) {
+    return *reinterpret_cast<const UnalignedFloats*>(from);
+}
+
+inline void store(float* to, Floats v) {
+    *reinterpret_cast<UnalignedFloats*>(to) = v;
+}
+
+// Calls body(0), body(1), ..., body(N - 1) with constants, so that arrays of sums stay in registers.
+template <int N, class Body>
+inline void unrolled(Body&& body) {
+    [&]<int... i>(std::integer_sequence<int, i...>) {
+        (body(std::integral_constant<int, i>()), ...);
+    }(std::make_integer_sequence<int, N>());
+}
+
+// Keeps a value that several products share in a register: the compiler would load it anew for each, and the
+// loads, not the products, would be the limit.
+inline void keep(Floats& v) {
+#if defined(__AVX512F__)
+    asm("" : "+v"(v));
+#elif defined(__x86_64__)
+    asm("" : "+x"(v));
+#else
+    (void)v;
+#endif
+}
+
+// Lane i of the result is lane index(i) of a followed by b.
+template <auto index>
+inline Floats shuffled(Floats a, Floats b) {
+    return [&]<int... i>(std::integer_sequence<int, i...>) {
+#if defined(__clang__)
+        return __builtin_shufflevector(a, b, index(i)...);
+#else
+        typedef int Ints __attribute__((vector_size(lanes * sizeof(int))));
+        return __builtin_shuffle(a, b, Ints{index(i)...});
+#endif
+    }(std::make_integer_sequence<int, lanes>());
+}
+
+inline Floats reversed(Floats v) {
+    return shuffled<[](int i) { return lanes - 1 - i; }>(v, v);
+}
+
+// Channel C of `lanes` texels of three channels, interleaved in three vectors.
+template <int C>
+inline Floats channel_of_three(Floats a, Floats b, Floats c) {
+    // First from a and b, then the lanes that lie in c.
+    const Floats ab = shuffled<[](int i) { return 3 * i + C < 2 * lanes ? 3 * i + C : 0; }>(a, b);
+    return shuffled<[](int i) { return 3 * i + C < 2 * lanes ? i : 3 * i + C - lanes; }>(ab, c);
+}
+
+// Vector V, 0 to 2, of the texels whose three channels a, b and c are: the inverse of channel_of_three.
+template <int V>
+inline Floats interleaved(Floats a, Floats b, Floats c) {
+    // Lane i is channel k % 3 of texel k / 3, k = V lanes + i.
+    constexpr int first = V * lanes;
+    const Floats ab =
+        shuffled<[](int i) { return (first + i) / 3 + ((first + i) % 3 == 1 ? lanes : 0); }>(a, b);
+    return shuffled<[](int i) { return (first + i) % 3 == 2 ? lanes + (first + i) / 3 : i; }>(ab, c);
+}
+
+inline float sum_of(Floats v) {
+    float sum = 0;
+    for (int i = 0; i < lanes; ++i) sum += v[i];
+    return sum;
+}
+
+}  // namespace shrm

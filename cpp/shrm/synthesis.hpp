@@ -1,0 +1,44 @@
+// Synthesis: from coefficients to lat-long maps, the adjoint of analysis but for the quadrature weights: a
+// Legendre sum for each pair of rings at theta and pi - theta, then a Fourier sum along each. The maps are
+// planar ring by ring, the order in which reflection maps are kept.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "shrm/analysis.hpp"
+#include "shrm/legendre.hpp"
+#include "shrm/ring_fourier.hpp"
+
+namespace shrm {
+
+// All that depends on the sizes alone, and the memory to work in: repeated runs allocate nothing.
+class Synthesis {
+  public:
+    Synthesis(int H, int W, int channels, int F, Tables tables);
+
+    // Values at the texel centres.
+    //   coefficients ((F+1)^2, channels), real basis; rings (H, channels, W)
+    void run(std::span<const double> coefficients, std::span<float> rings);
+
+  private:
+    static constexpr int ring_block = 4;
+    struct Scratch {
+        std::vector<float> modes, legendre;
+    };
+    void order(int m, const double* coefficients);
+    void legendre_rows(int block, int m, float* rows) const;
+    void legendre_step(int block, Scratch& scratch) const;
+    std::size_t degrees_below(int m) const;  // (l, m) of all orders below m
+
+    int H_, W_, channels_, F_;
+    int blocks_;  // of northern rings
+    int stride_;  // the cosine's and the sine's channels, rounded up to whole vectors
+    RingFourier fourier_;
+    LegendreRecurrence recurrence_;
+    std::vector<float> table_;    // legendre_rows of all blocks and orders, if kept
+    std::vector<float> ordered_;  // the coefficients (m, l, stride)
+    std::vector<Scratch> scratch_;
+};
+
+}  // namespace shrm

@@ -1,0 +1,20 @@
+// The dynamic reflection map: all central directions under one view.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+#include "shrm/radiance.hpp"
+
+namespace shrm {
+
+// pixels = sum_pq B~_pq(C) Y_pq(V)   [RH02] eq. 12, or sum_p B_p0(C) Y_p0(C.V) if zonal, on the map's own
+// grid: (H, W, 3), or (6, N, N, 3) for cubes, without their borders.
+void view_map(const ReflectionMapView& map, const glm::dvec3& view, std::span<float> pixels);
+
+// The maps as half floats, to the nearest; beyond 65504 they are infinite.
+void to_half(std::span<const float> rings, std::span<std::uint16_t> halves);
+
+}  // namespace shrm

@@ -1,0 +1,3 @@
+"""Which builds of the core this processor can run."""
+
+def instruction_sets() -> list[str]: ...  # best first

@@ -1,0 +1,69 @@
+"""Make the tables and figures of the paper again, its own figures beside ours.
+
+Writes NAME.csv, NAME.md and NAME.png for each, and index.md, which joins them. Needs no file;
+measured materials need a folder of published fits.
+"""
+
+from __future__ import annotations
+
+import argparse
+import errno
+import time
+from pathlib import Path
+
+from shrm.cli.console import progress
+from shrm.cli.options import add_environment, read_environment
+
+EXAMPLE = "shrm reproduce table-4 figure-6 --env grace.hdr -o reproduced"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    from shrm.reproduce import names
+
+    known = ", ".join(names())
+
+    def name(text: str) -> str:
+        if text not in names():
+            raise argparse.ArgumentTypeError(f"{text!r}, but it needs one of {known}")
+        return text
+
+    command.add_argument("names", nargs="*", type=name, metavar="NAME", help=f"{known} (default: all)")
+    add_environment(command, flag=True, layout_flags=("--env-layout",))
+    command.add_argument(
+        "--fits", type=Path, metavar="DIR", help="folder with published fits to measured materials"
+    )
+    command.add_argument(
+        "--quick", action="store_true", help="fewer rows and samples: to see that everything runs"
+    )
+    command.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("reproduced"),
+        metavar="DIR",
+        help="folder to write (default reproduced)",
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    """Make each result, write it, then the index of all."""
+    from shrm.reproduce import Settings, make, names
+    from shrm.reproduce.index import write_index
+
+    if options.fits is not None and not options.fits.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, "is not a folder", str(options.fits))
+    with progress("Reading the environment"):
+        env = read_environment(options)
+    settings = Settings(env, Path(options.env).stem, options.fits, options.quick)
+    results = []
+    for name in names():
+        if options.names and name not in options.names:
+            continue
+        start = time.perf_counter()
+        with progress(f"Making {name}"):
+            result = make(name, settings)
+            result.write(options.output)
+        print(f"{name:10} {result.title}, {time.perf_counter() - start:.1f} s", flush=True)
+        results.append(result)
+    print(write_index(options.output, settings, results))

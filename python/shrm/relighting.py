@@ -1,0 +1,227 @@
+"""Relighting: a reflection map that follows its light.
+
+What depends on the sizes, the orders and the material alone is made once. A frame then takes an analysis (or
+none, if the light has only turned: its coefficients are rotated), a product and a synthesis.
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core, sh
+from shrm.brdf import BRDF
+from shrm.brdf.lobe import Center
+from shrm.brdf_analysis import LobeAnalysis
+from shrm.environment import Environment
+from shrm.orders import F_MAX, P_MAX, Criterion, analysed, analysis_degree
+from shrm.prefiltering import Window, predicted_error, prefilter, windowed
+from shrm.reflection_map import Layout, Part, ReflectionMap
+from shrm.validation import rotation as checked_rotation
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Prefilter:
+    """A prefiltered environment that is updated in place.
+
+    Parameters
+    ----------
+    env : Environment
+        The first light; later ones have its size.
+    brdf : BRDF
+        The material.
+    tolerance, orders, criterion, size, layout, center, F_max, P_max, window, clamp, half
+        As in `shrm.prefilter`. A tolerance chooses the orders for the first light; later ones keep them.
+
+    Attributes
+    ----------
+    map : ReflectionMap
+        The reflection map of the last update. Its maps are this object's memory: the next update overwrites
+        them. `error` is predicted for the light and material it was made from.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `shrm.prefilter`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from shrm import Environment, Prefilter, brdf
+    >>> env = Environment.daylight(size=64)
+    >>> relit = Prefilter(env, brdf.GGX(0.3), orders=(12, 2), size=16, layout="cube")
+    >>> turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    >>> relit.update(rotation=turn).at_view([0.0, 0.0, 1.0]).shape
+    (6, 16, 16, 3)
+    """
+
+    def __init__(
+        self,
+        env: Environment,
+        brdf: BRDF,
+        *,
+        tolerance: float = 0.05,
+        orders: tuple[int, int] | None = None,
+        criterion: Criterion = "light",
+        size: int | None = None,
+        layout: Layout = "latlong",
+        center: Center | None = None,
+        F_max: int = F_MAX,
+        P_max: int = P_MAX,
+        window: Window | None = None,
+        clamp: bool = False,
+        half: bool = False,
+    ) -> None:
+        self.map = prefilter(
+            env,
+            brdf,
+            tolerance=tolerance,
+            orders=orders,
+            criterion=criterion,
+            size=size,
+            layout=layout,
+            center=center,
+            F_max=F_max,
+            P_max=P_max,
+            window=window,
+            clamp=clamp,
+            half=half,
+        )
+        self._env = env
+        self._brdf = brdf
+        self._center = center
+        self._criterion: Criterion = criterion
+        self._window: Window | None = window
+        self._F_max = F_max
+        # The analysis that prefilter made, and the one that other materials get.
+        self._analysed = (analysis_degree(self.map.F, F_max), P_max) if orders is None else orders
+        H, W, _ = env.pixels.shape
+        self._analysis = sh.Plan(H, W, self.map.F, areas=True)
+        self._light = env.coefficients(self.map.F).copy()
+        self._rotation: FloatArray | None = None
+        self._plans = [_LobePlan(part) for part in self.map.parts]
+
+    def update(
+        self,
+        env: Environment | None = None,
+        *,
+        rotation: npt.ArrayLike | None = None,
+        brdf: BRDF | None = None,
+    ) -> ReflectionMap:
+        """Make the map anew from what has changed; what is not given stays.
+
+        Parameters
+        ----------
+        env : Environment, optional
+            Another light, of the same size, not rotated unless `rotation` says so.
+        rotation : (3, 3) array_like, optional
+            Rotates the last environment that was given, L'(w) = L(R^T w), as `Environment.rotated` but in the
+            coefficients: no texel is touched. It replaces an earlier rotation.
+        brdf : BRDF, optional
+            Another material, with lobes of the same kinds about the same centres.
+
+        Returns
+        -------
+        ReflectionMap
+            The attribute `map`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If the light has another size, R is no rotation, or the material has other lobes. The map stays as
+            it was.
+        """
+        if env is not None and not isinstance(env, Environment):
+            raise TypeError(f"env must be an Environment, got {type(env).__name__}")
+        if env is not None and env.pixels.shape != self._env.pixels.shape:
+            raise ValueError(f"env must have the shape {self._env.pixels.shape}, got {env.pixels.shape}")
+        turn = None if rotation is None else checked_rotation("rotation", rotation)
+        lobes = None if brdf is None else self._lobes_of(brdf)
+
+        if env is not None:
+            self._analysis.analysis(env.pixels, out=self._light)
+            self._env, self._rotation = env, None
+        if turn is not None:
+            self._rotation = turn
+        if brdf is not None and lobes is not None:
+            self._brdf = brdf
+            for plan, lobe in zip(self._plans, lobes, strict=True):
+                plan.set_material(lobe, self._window)
+        light = self._light
+        if self._rotation is not None:
+            light = _core.rotate(coefficients=light, R=self._rotation)
+        parts = tuple(plan.run(light) for plan in self._plans)
+        predict = partial(
+            predicted_error,
+            self._env,
+            self._material(),
+            parts,
+            self._criterion,
+            self._window,
+            self._F_max,
+        )
+        self.map = replace(self.map, parts=parts, brdf=self._brdf.name, predict=predict)
+        return self.map
+
+    def _material(self) -> BRDF:
+        return self._brdf if self._center is None else self._brdf.recentred(self._center)
+
+    def _lobes_of(self, brdf: BRDF) -> tuple[LobeAnalysis, ...]:
+        """Analyse another material; ValueError if its lobes are of other kinds."""
+        if not isinstance(brdf, BRDF):
+            raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
+        lobes = analysed(brdf if self._center is None else brdf.recentred(self._center), *self._analysed)
+        kinds = [(lobe.center, lobe.kind != "isotropic", lobe.kind == "radial") for lobe in lobes]
+        wanted = [(plan.part.center, plan.part.zonal, plan.radial) for plan in self._plans]
+        if kinds != wanted:
+            raise ValueError(f"brdf must have lobes as {self._brdf.name} has, got {brdf.name}")
+        return lobes
+
+
+class _LobePlan:
+    """The maps of one lobe, in memory that is used again."""
+
+    def __init__(self, part: Part) -> None:
+        self.part = part
+        maps, count = part.rings.shape[1], 3 * part.rings.shape[1]
+        self.radial = part.zonal and maps == 1
+        self._product = _core.MapCoefficients(F=part.F, P=part.P, channels=3, zonal=part.zonal)
+        self._product.set_material(part.rho)
+        J = part.F if part.zonal else part.F + part.P
+        self._coefficients = np.empty((sh.basis_size(J), maps, 3))
+        H, _, _, W = part.rings.shape
+        self._synthesis: _core.CubeSynthesis | _core.Synthesis
+        if part.layout == "cube":
+            self._synthesis = _core.CubeSynthesis(N=part.size, channels=count, F=J)
+        else:
+            self._synthesis = _core.Synthesis(H=H, W=W, channels=count, F=J)
+        self._rings = np.empty((H, maps, 3, W), dtype=np.float32)
+        half = part.rings.dtype == np.float16
+        self._halves = np.empty(part.rings.shape, dtype=np.float16) if half else None
+
+    def set_material(self, lobe: LobeAnalysis, window: Window | None) -> None:
+        """Take another lobe of the same kind."""
+        rho = windowed(lobe, self.part.F, self.part.P, window)
+        self._product.set_material(rho)
+        self.part = replace(self.part, gamma=lobe.gamma, rho=rho)
+
+    def run(self, light: FloatArray) -> Part:
+        """Make the maps for light of degree F or more."""
+        H, maps, _, W = self._rings.shape
+        own_light = light[: sh.basis_size(self.part.F)].copy()
+        self._product.run(own_light, self._coefficients)
+        flat = self._coefficients.reshape(len(self._coefficients), -1)
+        self._synthesis.run(flat, self._rings.reshape(H, 3 * maps, W))
+        if self._halves is not None:
+            _core.to_half(self._rings, self._halves)
+        rings = self._rings if self._halves is None else self._halves
+        self.part = replace(self.part, light=own_light, rings=rings)
+        return self.part
