@@ -21,7 +21,7 @@ from shrm.brdf.lobe import Center
 from shrm.environment import Environment
 from shrm.explicit import icosahedron
 from shrm.prefiltering import prefilter
-from shrm.reference import prefilter_angular
+from shrm.reference import AngularReflection, prefilter_angular
 from shrm.reproduce.comparison import (
     COLUMNS,
     Block,
@@ -95,12 +95,14 @@ def make(settings: Settings) -> Result:
     blocks: list[Block] = []
     table: list[list[Cell]] = []
     for material in MATERIALS:
-        truth = Truth(prefilter_angular(env, material.brdf), view, pixels, frames)
+        center = None if material.explicit == "tangent" else material.explicit
+        exact = prefilter_angular(env, material.brdf, size=size, center=center)
+        truth = Truth(exact, view, pixels, frames)
         shrms = [
             truth.judge(shrm(env, material, center, P, size))
             for center, P in (material.shrms[-2:] if quick else material.shrms)
         ]
-        cabral = truth.judge(icosahedral(env, material, size))
+        cabral = truth.judge(icosahedral(exact, material.explicit))
         columns = [(title(one), one) for one in (*shrms[:2], cabral)]
         blocks.append(Block(material.name, truth, columns))
         table += [[material.name, *one.cells] for one in (*shrms, cabral)]
@@ -135,13 +137,10 @@ def shrm(env: Environment, material: Material, center: Center, P: int, size: int
     return Representation(f"SHRM, P = {P}", CENTERS[center], part.rings.shape[1], part.rings.nbytes, rm)
 
 
-def icosahedral(env: Environment, material: Material, size: int) -> Representation:
+def icosahedral(exact: AngularReflection, center: Center) -> Representation:
     """Integrate Cabral's twelve maps."""
-    exact = prefilter_angular(
-        env, material.brdf, size=size, center=None if material.explicit == "tangent" else material.explicit
-    )
-    maps = IcosahedralMaps(exact, material.explicit)
-    return Representation("Cabral et al.", CENTERS[material.explicit], len(icosahedron()), maps.nbytes, maps)
+    maps = IcosahedralMaps(exact, center)
+    return Representation("Cabral et al.", CENTERS[center], len(icosahedron()), maps.nbytes, maps)
 
 
 def title(judged: Judged) -> str:
