@@ -47,6 +47,8 @@
 //              EGWR 1998.
 //   [WMLT07]   B. Walter, S. Marschner, H. Li, K. Torrance. Microfacet Models for Refraction
 //              through Rough Surfaces. EGSR 2007.
+//   [AP07]     M. Ashikhmin, S. Premoze. Distribution-based BRDFs. Technical report, University
+//              of Utah, 2007.
 //   [PSS99]    A. J. Preetham, P. Shirley, B. Smits. A Practical Analytic Model for Daylight.
 //              SIGGRAPH 1999.
 //   [WSS13]    C. Wyman, P.-P. Sloan, P. Shirley. Simple Analytic Approximations to the CIE
