@@ -14,6 +14,7 @@
 #include "shrm/core.hpp"
 #include "shrm/cube_synthesis.hpp"
 #include "shrm/evaluation.hpp"
+#include "shrm/explicit_maps.hpp"
 #include "shrm/grid.hpp"
 #include "shrm/layouts.hpp"
 #include "shrm/map_coefficients.hpp"
@@ -174,6 +175,10 @@ void radiance() {
                                            values);
                     }
                     shrm::view_map(map, views[1], pixels);
+                    if (!zonal) {
+                        std::vector<float> many(2 * 2 * pixels.size());
+                        shrm::explicit_maps(map, 2, many);
+                    }
                     const std::vector<std::uint16_t> halves(rings.size(), 0x3c01);
                     map.halves = halves;
                     shrm::view_map(map, views[1], pixels);
