@@ -83,10 +83,11 @@ def reflection_maps(rm: ReflectionMap, T: int) -> Float32Array:
     [RH02 appendix C].
     """
     views = grid_views(T).reshape(-1, 3)
-    if len(rm.parts) != 1 or rm.parts[0].zonal or rm.parts[0].rings.dtype != np.float32:
+    if len(rm.parts) != 1 or rm.parts[0].zonal:
         maps = maps_at_views(rm, views)
         return maps.reshape(T, T, *maps.shape[1:])
-    maps = _core.explicit_maps(rings=rm.parts[0].rings, cube=rm.layout == "cube", T=T)
+    rings = np.asarray(rm.parts[0].rings, dtype=np.float32)
+    maps = _core.explicit_maps(rings=rings, cube=rm.layout == "cube", T=T)
     return np.maximum(maps, 0, out=maps) if rm.clamp else maps
 
 
