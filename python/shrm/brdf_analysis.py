@@ -37,7 +37,6 @@ from shrm.brdf.lobe import Center, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
 from shrm.central_direction import gamma_at, gamma_table, lobe_centre
 from shrm.lobe_quadrature import (
     FloatArray,
-    Quadrature,
     columns,
     horizon_quadrature,
     leggauss,
@@ -69,6 +68,8 @@ class LobeAnalysis:
         The projections g_lq(theta_o).
     energy : (channels,) float64
         The mean over the views of the integral of rho_hat^2 over the lights.
+    P : int
+        The largest order that the views are meant for.
     """
 
     center: Center
@@ -78,8 +79,10 @@ class LobeAnalysis:
     weight: FloatArray
     g: FloatArray
     energy: FloatArray
+    P: int
     _estimate_quadrature_error: Callable[[], float] = lambda: 0.0
     _fits: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
+    _factors: dict[tuple[int, int], tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
 
     @property
     def L(self) -> int:
@@ -103,7 +106,7 @@ class LobeAnalysis:
 
     def degree_energy(self) -> FloatArray:
         """Energy of each degree over all p, (L+1, channels): sum_q U_q of the mean over views of g_lq^2."""
-        return np.asarray(np.einsum("cqlv,v,q->lc", self.g**2, self.weight, _multiplicity(self.Q)))
+        return np.asarray(np.einsum("cql,q->lc", self.g**2 @ self.weight, _multiplicity(self.Q)))
 
     def captured(self, P: int) -> FloatArray:
         """Energy of each degree that an expansion to order P keeps, (L+1, channels)."""
@@ -121,20 +124,32 @@ class LobeAnalysis:
         if P not in self._fits:
             rho = np.zeros((self.L + 1, P + 1, P + 1, self.channels))
             kept = np.zeros((self.L + 1, self.channels))
-            root = np.sqrt(self.weight)
             for q in range(min(P, self.Q) + 1):
                 # [RH02] appendix C, step 1, the integral over theta_o with the factor 2 pi: eq. 13
-                basis = (_core.legendre(F=P, m=q, theta=self.theta_o)[q:] * root).T
-                wanted = np.moveaxis(self.g[:, q] * root, -1, 0).reshape(
-                    len(root), -1
-                )  # (views, channels (L+1))
-                fit = np.linalg.lstsq(basis, wanted, rcond=1e-6)[0]
-                lost = ((wanted - basis @ fit) ** 2).sum(axis=0)
-                energy = ((wanted**2).sum(axis=0) - lost).reshape(self.channels, self.L + 1)
+                triangle, wanted = self._factored(q, max(P, self.P))
+                n = P - q + 1
+                U, singular, Vt = np.linalg.svd(triangle[:n, :n], full_matrices=False)
+                used = singular > 1e-6 * singular[0]
+                along = U.T[used] @ wanted[:n]
+                fit = Vt[used].T @ (along / singular[used, None])
+                energy = (along**2).sum(axis=0).reshape(self.channels, self.L + 1)
                 kept += (1 if q == 0 else 2) * energy.T
-                rho[:, q:, q] = fit.reshape(P - q + 1, self.channels, self.L + 1).transpose(2, 0, 1)
+                rho[:, q:, q] = fit.reshape(n, self.channels, self.L + 1).transpose(2, 0, 1)
             self._fits[P] = rho, kept
         return self._fits[P]
+
+    def _factored(self, q: int, P: int) -> tuple[FloatArray, FloatArray]:
+        """R and Q^T g of the QR factors of the f_pq(theta_o), q <= p <= P: every lower P is in their corner.
+
+        (P-q+1, P-q+1) and (P-q+1, channels (L+1)).
+        """
+        if (q, P) not in self._factors:
+            root = np.sqrt(self.weight)
+            basis = (_core.legendre(F=P, m=q, theta=self.theta_o)[q:] * root).T
+            orthogonal, triangle = np.linalg.qr(basis)
+            wanted = (self.g[:, q] @ (orthogonal * root[:, None])).reshape(-1, len(triangle)).T
+            self._factors[q, P] = triangle, wanted
+        return self._factors[q, P]
 
 
 def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
@@ -167,7 +182,7 @@ def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
     profile = columns(lobe.profile(np.cos(nodes.theta_i[0])))
     g, energy = project(profile.reshape(*nodes.shape, -1), nodes, L, 0)
     one = np.ones(1)
-    return LobeAnalysis(lobe.center, "radial", gamma_table(lobe.center), 0 * one, one, g, energy @ one)
+    return LobeAnalysis(lobe.center, "radial", gamma_table(lobe.center), 0 * one, one, g, energy @ one, 0)
 
 
 def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
@@ -177,7 +192,7 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
     nodes = uniform_quadrature(len(x), L)
     table = lobe.profile(nodes.theta_i.ravel(), np.repeat(theta_o, nodes.theta_i.shape[1]))
     g, energy = project(columns(table).reshape(*nodes.shape, -1), nodes, L, 0)
-    return LobeAnalysis(lobe.center, "zonal", gamma_table("tangent"), theta_o, weight, g, energy @ weight)
+    return LobeAnalysis(lobe.center, "zonal", gamma_table("tangent"), theta_o, weight, g, energy @ weight, P)
 
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
@@ -185,7 +200,7 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     low = P <= 3 and L <= 32
     K, Q_least = (20, 8) if low else (32, 24)
     # Gauss in theta_v, in which g is smooth, with the measure cos^2(theta_v) uniform; g holds more than P
-    x, w = unit_gauss(12 + 3 * P)
+    x, w = unit_gauss(12 + (6 * P + L) // 4)
     theta_v = np.pi / 2 * x
     weight = np.pi / 2 * w * np.sin(2 * theta_v)
     measured, width = lobe_centre(lobe.transfer)
@@ -198,15 +213,15 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
 
     def quadrature_error() -> float:
         """The same by other nodes at every eighth view: what smooth lobes agree on and jumps do not."""
-        few = slice(3, None, 8)
+        few = np.arange(3, len(theta_v), 8)
         others = horizon_quadrature(at_view[few], width, L, K + 7, least + 3)
         other, _ = project(tabulate(lobe.transfer, theta_v[few], at_view[few], others), others, L, Q)
-        difference = np.einsum("cqlv,v,q->", (g[..., few] - other) ** 2, weight[few], _multiplicity(Q))
+        difference = np.einsum("cql,q->", (g[..., few] - other) ** 2 @ weight[few], _multiplicity(Q))
         whole = float((energy[:, few] @ weight[few]).sum())
         return float(difference / whole) if whole > 0 else 0.0
 
     return LobeAnalysis(
-        lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight, quadrature_error
+        lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight, P, quadrature_error
     )
 
 

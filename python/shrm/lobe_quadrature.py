@@ -151,7 +151,7 @@ def tabulate(transfer: Transfer, theta_v: FloatArray, gamma: FloatArray, nodes: 
 def _frames(
     theta_v: FloatArray, gamma: FloatArray, nodes: Quadrature, at: slice
 ) -> tuple[FloatArray, FloatArray]:
-    """wi and wo at the nodes of some views, (n, 3) each, their components contiguous."""
+    """Return wi and wo at the nodes of some views, (n, 3) each, their components contiguous."""
     wi, wo = _core.directions(
         theta_v=theta_v[at], gamma=gamma[at], theta_i=nodes.theta_i[at], arc=nodes.arc[at], share=nodes.share
     )
