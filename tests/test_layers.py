@@ -45,7 +45,7 @@ PYTHON_ORDER = [
 # Each stage, with its parts, may include only those above it.
 CPP_ORDER = [
     ["core"],
-    ["quadrature"],
+    ["quadrature", "trigonometry"],
     ["layouts", "grid"],
     ["legendre", "ring_fourier", "sh"],
     ["wigner"],
@@ -86,6 +86,7 @@ CORE_WRAPPERS = {
     "layouts",
     "environment",
     "sh",
+    "lobe_quadrature",
     "brdf_analysis",
     "reflection_map",
     "lobe_integrals",

@@ -6,35 +6,15 @@
 
 #include "shrm/core.hpp"
 #include "shrm/legendre.hpp"
+#include "shrm/trigonometry.hpp"
 
 namespace shrm {
 namespace {
 
-typedef double d8 __attribute__((vector_size(64)));
 constexpr int lanes = 8;
 
 double sum_of_lanes(const d8& v) {
     return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
-}
-
-// cos and sin of angles in [0, pi], to a few units of the last digit: Taylor's series at a quarter of the
-// angle, doubled twice.
-void cosine_and_sine(const d8& angle, d8& cosine, d8& sine) {
-    const d8 x = 0.25 * angle, y = x * x;
-    d8 c = 1 + d8{}, s = c;  // of the series to x^17, by Horner's rule
-#pragma GCC unroll 8
-    for (int n = 16; n > 0; n -= 2) {
-        c = 1 - 1.0 / (n * (n - 1)) * y * c;
-        s = 1 - 1.0 / (n * (n + 1)) * y * s;
-    }
-    s *= x;
-    for (int doubling = 0; doubling < 2; ++doubling) {
-        const d8 twice = 2 * s * c;
-        c = 1 - 2 * s * s;
-        s = twice;
-    }
-    cosine = c;
-    sine = s;
 }
 
 // Eight neighbours of a row of n, from `first`; zeros beyond its end.

@@ -37,10 +37,10 @@ from shrm.brdf.lobe import Center, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
 from shrm.central_direction import gamma_at, gamma_table, lobe_centre
 from shrm.lobe_quadrature import (
     FloatArray,
+    Quadrature,
     columns,
     horizon_quadrature,
     leggauss,
-    project,
     tabulate,
     uniform_quadrature,
     unit_gauss,
@@ -180,7 +180,7 @@ def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
     """The one-dimensional path: P = 0, rho_l00 = sqrt(4 pi) rho_l  [RH02] appendix C, radially symmetric."""
     nodes = whole_quadrature(_radial_width(lobe), L)
     profile = columns(lobe.profile(np.cos(nodes.theta_i[0])))
-    g, energy = project(profile.reshape(*nodes.shape, -1), nodes, L, 0)
+    g, energy = _project(profile.reshape(*nodes.shape, -1), nodes, L, 0)
     one = np.ones(1)
     return LobeAnalysis(lobe.center, "radial", gamma_table(lobe.center), 0 * one, one, g, energy @ one, 0)
 
@@ -191,7 +191,7 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
     theta_o, weight = np.arccos(x), w / 2
     nodes = uniform_quadrature(len(x), L)
     table = lobe.profile(nodes.theta_i.ravel(), np.repeat(theta_o, nodes.theta_i.shape[1]))
-    g, energy = project(columns(table).reshape(*nodes.shape, -1), nodes, L, 0)
+    g, energy = _project(columns(table).reshape(*nodes.shape, -1), nodes, L, 0)
     return LobeAnalysis(lobe.center, "zonal", gamma_table("tangent"), theta_o, weight, g, energy @ weight, P)
 
 
@@ -209,13 +209,13 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     least = 6
     nodes = horizon_quadrature(at_view, width, L, K, least)
     Q = min(L, max(P, Q_least))  # beyond P for the energy of all azimuths, which order selection needs
-    g, energy = project(tabulate(lobe.transfer, theta_v, at_view, nodes), nodes, L, Q)
+    g, energy = _project(tabulate(lobe.transfer, theta_v, at_view, nodes), nodes, L, Q)
 
     def quadrature_error() -> float:
         """The same by other nodes at every eighth view: what smooth lobes agree on and jumps do not."""
         few = np.arange(3, len(theta_v), 8)
         others = horizon_quadrature(at_view[few], width, L, K + 7, least + 3)
-        other, _ = project(tabulate(lobe.transfer, theta_v[few], at_view[few], others), others, L, Q)
+        other, _ = _project(tabulate(lobe.transfer, theta_v[few], at_view[few], others), others, L, Q)
         difference = np.einsum("cql,q->", (g[..., few] - other) ** 2 @ weight[few], _multiplicity(Q))
         whole = float((energy[:, few] @ weight[few]).sum())
         return float(difference / whole) if whole > 0 else 0.0
@@ -232,6 +232,19 @@ def _radial_width(lobe: RadialLobe) -> float:
     if inside[-1] <= 0:
         return 0.5
     return float(np.clip(nodes.theta_i[0][np.searchsorted(inside, inside[-1] / 2)], 1e-3, 0.8))
+
+
+def _project(table: FloatArray, nodes: Quadrature, L: int, Q: int) -> tuple[FloatArray, FloatArray]:
+    return _core.project(
+        rho_hat=np.ascontiguousarray(table, dtype=np.float64),
+        theta_i=nodes.theta_i,
+        weight_theta=nodes.weight_theta,
+        arc=nodes.arc,
+        share=nodes.share,
+        weight_share=nodes.weight_share,
+        L=L,
+        Q=Q,
+    )
 
 
 def _multiplicity(Q: int) -> FloatArray:

@@ -17,7 +17,7 @@ from functools import lru_cache
 import numpy as np
 
 from shrm.brdf.lobe import Center
-from shrm.lobe_quadrature import FloatArray, Transfer, horizon_quadrature, project, tabulate
+from shrm.lobe_quadrature import FloatArray, Transfer, horizon_quadrature, tabulate
 
 GAMMA_SIZE = 257
 """Entries of a table of gamma, uniform in theta_v over [0, pi/2], linear in between."""
@@ -54,17 +54,20 @@ def lobe_centre(transfer: Transfer) -> tuple[FloatArray, float]:
         theta_v, 0.01, L=0, K=16, least=6
     )  # about R, from a hundredth of a radian outwards
     values = tabulate(transfer, theta_v, theta_v, nodes)
-    squared = np.einsum("vkic,vkic->vki", values, values)
-    # the mean direction is the degree 1 of rho_hat^2: f_10 = a cos(theta), f_11 = -a / sqrt2 sin(theta)
-    g, _ = project(squared[..., None], nodes, L=1, Q=1)
-    along_x, along_z = -np.sqrt(2) * g[0, 1, 1], g[0, 0, 1]
+    energy = np.einsum("vkic,vkic->vki", values, values)
+    # its integrals over phi, and those of its part towards x
+    ring = 2 * nodes.weight_theta * nodes.arc * (nodes.weight_share @ energy)
+    energy *= np.cos(nodes.arc[:, None] * nodes.share[:, None])
+    towards_x = 2 * nodes.weight_theta * nodes.arc * (nodes.weight_share @ energy)
+    along_x = (towards_x * np.sin(nodes.theta_i)).sum(axis=1)
+    along_z = (ring * np.cos(nodes.theta_i)).sum(axis=1)
     gamma = np.clip(theta_v - np.arctan2(along_x, along_z), 0, np.pi / 2)
     gamma[0] = 0  # by symmetry
     fine = np.linspace(0, np.pi / 2, GAMMA_SIZE)
     # theta_o = theta_v + gamma must not fall, nor C leave the quadrant between N and the horizon
     theta_o = np.maximum.accumulate(fine + _hermite(theta_v, gamma, np.minimum(fine, _GRAZING)))
     table = np.clip(theta_o - fine, 0, np.pi / 2)
-    inside = np.cumsum(nodes.weight_theta * nodes.arc * (nodes.weight_share @ squared), axis=1)
+    inside = np.cumsum(ring, axis=1)
     total = inside[:, -1]
     half = [t[np.searchsorted(e, e[-1] / 2)] for t, e in zip(nodes.theta_i, inside, strict=True) if e[-1] > 0]
     if not np.any(total > 0):

@@ -158,20 +158,6 @@ def _frames(
     return wi.reshape(3, -1).T, wo.reshape(3, -1).T
 
 
-def project(table: FloatArray, nodes: Quadrature, L: int, Q: int) -> tuple[FloatArray, FloatArray]:
-    """g_lq (channels, Q+1, L+1, views) and energy (channels, views) of a table over the nodes."""
-    return _core.project(
-        rho_hat=np.ascontiguousarray(table, dtype=np.float64),
-        theta_i=nodes.theta_i,
-        weight_theta=nodes.weight_theta,
-        arc=nodes.arc,
-        share=nodes.share,
-        weight_share=nodes.weight_share,
-        L=L,
-        Q=Q,
-    )
-
-
 def columns(values: FloatArray) -> FloatArray:
     """Return (n,) values as (n, 1), and (n, 3) as they are."""
     return values if values.ndim == 2 else values[:, None]
