@@ -21,8 +21,8 @@ FloatArray = npt.NDArray[np.float64]
 Transfer = Callable[[FloatArray, FloatArray], FloatArray]
 """rho_hat(wi, wo), (n, 3) unit vectors in the frame of the normal to (n,) or (n, 3)."""
 
-_BLOCK = 20_000
-"""Directions asked of a lobe at once: enough to outweigh numpy's calls, and few enough for the cache."""
+_BLOCK = 5400
+"""Directions asked of a lobe at once: their vectors stay below 128 KiB, where malloc maps new pages."""
 
 
 @dataclass(frozen=True)
