@@ -203,7 +203,8 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     x, w = unit_gauss(12 + (6 * P + L) // 4)
     theta_v = np.pi / 2 * x
     weight = np.pi / 2 * w * np.sin(2 * theta_v)
-    measured, width = lobe_centre(lobe.transfer)
+    # `function` is the same object for every L, so that the centre is found once
+    measured, width = lobe_centre(lobe.function)
     gamma = measured if lobe.center == "lobe" else gamma_table(lobe.center)
     at_view = gamma_at(gamma, theta_v)
     least = 6
