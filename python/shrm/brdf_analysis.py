@@ -25,9 +25,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -70,6 +68,8 @@ class LobeAnalysis:
         The mean over the views of the integral of rho_hat^2 over the lights.
     P : int
         The largest order that the views are meant for.
+    quadrature_error : float
+        Fraction of the energy by which g may be off: next to nothing unless the lobe has jumps.
     """
 
     center: Center
@@ -80,7 +80,7 @@ class LobeAnalysis:
     g: FloatArray
     energy: FloatArray
     P: int
-    _estimate_quadrature_error: Callable[[], float] = lambda: 0.0
+    quadrature_error: float = 0.0
     _fits: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
     _factors: dict[tuple[int, int], tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
 
@@ -98,11 +98,6 @@ class LobeAnalysis:
     def channels(self) -> int:
         """1, or 3 for a lobe whose channels differ."""
         return int(self.g.shape[0])
-
-    @cached_property
-    def quadrature_error(self) -> float:
-        """Fraction of the energy by which g may be off: next to nothing unless the lobe has jumps."""
-        return self._estimate_quadrature_error()
 
     def degree_energy(self) -> FloatArray:
         """Energy of each degree over all p, (L+1, channels): sum_q U_q of the mean over views of g_lq^2."""
@@ -198,31 +193,41 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     # Low orders need fewer nodes. g is good to 1e-4 (relative RMS) with either set, most lobes to 1e-5.
     low = P <= 3 and L <= 32
-    K, Q_least = (20, 8) if low else (32, 24)
-    # Gauss in theta_v, in which g is smooth, with the measure cos^2(theta_v) uniform; g holds more than P
-    x, w = unit_gauss(12 + (6 * P + L) // 4)
+    Q = min(
+        L, max(P, 8 if low else 24)
+    )  # beyond P for the energy of all azimuths, which order selection needs
+    views = 12 + (6 * P + L) // 4  # g holds more orders than P
+    found = _projected(lobe, L, P, Q, views, K=20 if low else 32, least=6)
+    if found.quadrature_error > _ROUGH:
+        return _projected(lobe, L, P, Q, max(views, 64), K=48, least=12)
+    return found
+
+
+_ROUGH = 1e-6
+"""The quadrature error above which a lobe is taken to have jumps, and gets more nodes."""
+
+
+def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, least: int) -> LobeAnalysis:
+    # Gauss in theta_v, in which g is smooth, with the measure cos^2(theta_v) uniform
+    x, w = unit_gauss(views)
     theta_v = np.pi / 2 * x
     weight = np.pi / 2 * w * np.sin(2 * theta_v)
     # `function` is the same object for every L, so that the centre is found once
     measured, width = lobe_centre(lobe.function)
     gamma = measured if lobe.center == "lobe" else gamma_table(lobe.center)
     at_view = gamma_at(gamma, theta_v)
-    least = 6
     nodes = horizon_quadrature(at_view, width, L, K, least)
-    Q = min(L, max(P, Q_least))  # beyond P for the energy of all azimuths, which order selection needs
     g, energy = _project(tabulate(lobe.transfer, theta_v, at_view, nodes), nodes, L, Q)
 
-    def quadrature_error() -> float:
-        """The same by other nodes at every eighth view: what smooth lobes agree on and jumps do not."""
-        few = np.arange(3, len(theta_v), 8)
-        others = horizon_quadrature(at_view[few], width, L, K + 7, least + 3)
-        other, _ = _project(tabulate(lobe.transfer, theta_v[few], at_view[few], others), others, L, Q)
-        difference = np.einsum("cql,q->", (g[..., few] - other) ** 2 @ weight[few], _multiplicity(Q))
-        whole = float((energy[:, few] @ weight[few]).sum())
-        return float(difference / whole) if whole > 0 else 0.0
-
+    # The same by other nodes at every eighth view: what smooth lobes agree on and jumps do not
+    few = np.arange(3, views, 8)
+    others = horizon_quadrature(at_view[few], width, L, K + 7, least + 3)
+    other, _ = _project(tabulate(lobe.transfer, theta_v[few], at_view[few], others), others, L, Q)
+    difference = np.einsum("cql,q->", (g[..., few] - other) ** 2 @ weight[few], _multiplicity(Q))
+    whole = float((energy[:, few] @ weight[few]).sum())
+    error = float(difference / whole) if whole > 0 else 0.0
     return LobeAnalysis(
-        lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight, P, quadrature_error
+        lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight, P, error
     )
 
 
