@@ -123,12 +123,16 @@ void material_analysis() {
             const auto grid = size(views) * size(I);
             const auto rho_hat = random_values<double>(grid * size(K) * size(channels));
             const auto theta = random_values<double>(grid), theta_weight = random_values<double>(grid);
-            const auto phi = random_values<double>(grid * size(K)),
-                       phi_weight = random_values<double>(grid * size(K));
+            const auto arc = random_values<double>(grid), share = random_values<double>(size(K)),
+                       share_weight = random_values<double>(size(K));
+            const auto gamma = random_values<double>(size(views)),
+                       theta_v = random_values<double>(size(views));
+            std::vector<double> wi(3 * grid * size(K)), wo(wi.size());
+            shrm::directions({I, theta, arc, share}, theta_v, gamma, wi, wo);
             std::vector<double> g(size(channels) * size(Q + 1) * size(L + 1) * size(views));
             std::vector<double> energy(size(channels) * size(views));
-            shrm::project({views, I, K, channels, rho_hat, theta, theta_weight, phi, phi_weight}, L, Q, g,
-                          energy);
+            shrm::project({views, K, I, channels, rho_hat, theta, theta_weight, arc, share, share_weight}, L,
+                          Q, g, energy);
 
             std::vector<double> values(size(L + 1) * theta.size());
             shrm::legendre(L, std::min(Q, L), theta, values);

@@ -6,7 +6,7 @@ import numpy as np
 import oracles
 import pytest
 from scipy import integrate, special
-from shrm import brdf
+from shrm import _core, brdf
 from shrm.brdf_analysis import analyse
 from shrm.central_direction import gamma_at, gamma_table
 
@@ -59,6 +59,26 @@ def test_coefficients_vanish_beyond_their_degree():
     rho = analyse(brdf.GGX(0.3).lobes[0], L, P).coefficients(L, P)
     l, p, q = np.meshgrid(np.arange(L + 1), np.arange(P + 1), np.arange(P + 1), indexing="ij")
     assert np.all(rho[q > np.minimum(l, p)] == 0)
+
+
+def test_directions_are_those_of_the_frame_turned_about_y():
+    """L and V of the frame of C, turned from C to N by rotation matrices; odd sizes, and all of [0, pi]."""
+    rng = np.random.default_rng(3)
+    views, I, K = 3, 21, 5
+    theta_v, gamma = rng.uniform(0, np.pi / 2, (2, views))
+    theta_i, arc = rng.uniform(0, np.pi, (2, views, I))
+    theta_i[0, :2], arc[0, :2] = [0, np.pi], [np.pi, 0]
+    share = rng.uniform(0, 1, K)
+    wi, wo = _core.directions(theta_v=theta_v, gamma=gamma, theta_i=theta_i, arc=arc, share=share)
+    phi, theta = arc[:, None] * share[:, None], theta_i[:, None]
+    L = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta) + 0 * phi])
+    V = np.stack([np.sin(theta_v + gamma), 0 * gamma, np.cos(theta_v + gamma)])
+    for v in range(views):
+        c, s = np.cos(gamma[v]), np.sin(gamma[v])
+        local = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
+        np.testing.assert_allclose(wi[:, v], np.einsum("ab,bki->aki", local, L[:, v]), atol=1e-15)
+        expected = np.broadcast_to((local @ V[:, v])[:, None, None], (3, K, I))
+        np.testing.assert_allclose(wo[:, v], expected, atol=1e-15)
 
 
 @pytest.mark.parametrize("center", ["reflection", "lobe", "normal"])

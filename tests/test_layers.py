@@ -46,7 +46,7 @@ PYTHON_ORDER = [
 # Each stage, with its parts, may include only those above it.
 CPP_ORDER = [
     ["core"],
-    ["quadrature"],
+    ["quadrature", "trigonometry"],
     ["layouts", "grid"],
     ["simd", "half"],
     ["legendre", "ring_fourier"],
@@ -98,6 +98,7 @@ CORE_WRAPPERS = {
     "layouts",
     "environment",
     "sh",
+    "lobe_quadrature",
     "brdf_analysis",
     "reflection_map",
     "explicit",

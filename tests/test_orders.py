@@ -155,6 +155,20 @@ def test_caps_are_named_and_the_error_is_told():
     assert found.limited_by == "F"
 
 
+def test_degrees_that_cannot_help_are_not_analysed(monkeypatch):
+    """What 30 degrees lose in p > P_max no larger degree brings back; the last tells the error."""
+    material, tried = brdf.GGX(0.2).recentred("reflection"), []
+    monkeypatch.setattr(orders, "analysed", lambda *of: tried.append(of[1]) or analysed(*of))
+    with pytest.warns(ToleranceWarning, match="P <= 1"):
+        found = choose(material, 0.02, P_max=1)
+    assert tried == [30, orders.F_MAX]
+    power = LightPower.natural(orders.F_MAX)
+    assert found.error == error_of(material, [(found.F, found.P)], power).error
+    tried.clear()
+    assert choose(brdf.GGX(0.05), 0.04).limited_by == ""  # degrees, not orders, were wanting
+    assert tried[:2] == [30, 60]
+
+
 def test_lobes_of_a_material_share_the_error():
     """A faint lobe needs fewer orders than it would alone; together they meet the tolerance."""
     alone = choose(brdf.GGX(0.1), 0.02)

@@ -158,6 +158,55 @@ def unit(v: np.ndarray) -> np.ndarray:
     return v / np.linalg.norm(v, axis=1, keepdims=True)
 
 
+def looked_up_one_by_one(rings: np.ndarray, C: np.ndarray, V: np.ndarray, bilinear: bool) -> np.ndarray:
+    """Eq. 7 for P = 1, point after point, by Lagrange's formula, across poles and seam."""
+    H, _, _, W = rings.shape
+    k = np.sqrt(3 / (4 * np.pi))
+    nodes = (0, 1) if bilinear else (-1, 0, 1, 2)
+    out = np.zeros((len(C), 3))
+    for n, (c, v) in enumerate(zip(C, V, strict=True)):
+        Y = np.array([np.sqrt(1 / (4 * np.pi)), -k * v[1], k * v[2], -k * v[0]])
+        row = np.arctan2(np.hypot(c[0], c[1]), c[2]) / np.pi * H - 0.5
+        column = (np.pi - np.arctan2(c[1], c[0])) / (2 * np.pi) * W - 0.5
+        i, j = int(np.floor(row)), int(np.floor(column))
+        for a in nodes:
+            wa = np.prod([(row - i - b) / (a - b) for b in nodes if b != a])
+            r, turn = i + a, 0
+            if r < 0 or r >= H:
+                r, turn = (-1 - r if r < 0 else 2 * H - 1 - r), W // 2
+            for b in nodes:
+                wb = np.prod([(column - j - d) / (b - d) for d in nodes if d != b])
+                out[n] += wa * wb * (Y @ rings[r, :, :, (j + b + turn) % W])
+    return out
+
+
+@pytest.mark.parametrize("bilinear", [False, True])
+@pytest.mark.parametrize(("H", "n"), [(2, 200), (12, 3000), (64, 300)])
+def test_look_ups_in_any_order_are_those_of_each_point(H, n, bilinear):
+    """Few and many points to a texel, poles and seam among them; C the axis itself."""
+    rng = np.random.default_rng(5)
+    rings = rng.normal(size=(H, 4, 3, 2 * H)).astype(np.float32)
+    C, V = (Rotation.random(n, rng=rng).apply([0, 0, 1.0]) for _ in range(2))
+    C[:6] = [[0, 0, 1], [0, 0, -1], [-1, 0, 0], [-1, -0.0, 0], [1, 0, 0], [0, -1, 0]]
+    C[6:60] = C[6:60] * [0.01, 0.01, 1]
+    C[60:90] = C[60:90] * [1, 0.001, 1] * np.where(C[60:90, :1] > 0, -1, 1)
+    C /= np.linalg.norm(C, axis=1, keepdims=True)
+    radiance = np.ones((n, 3), np.float32)  # sums are added to what is there
+    _core.add_radiance(
+        rings=rings,
+        cube=False,
+        zonal=False,
+        centre="tangent",
+        gamma=np.zeros(0),
+        axes=C,
+        views=V,
+        bilinear=bilinear,
+        radiance=radiance,
+    )
+    expected = 1 + looked_up_one_by_one(rings, C, V, bilinear)
+    np.testing.assert_allclose(radiance, expected, rtol=0, atol=64 * EPS32 * np.abs(rings).max())
+
+
 def test_look_ups_are_as_exact_as_the_grid_allows():
     """Cubic look-ups against the exact series: poles, seam, cube edges and corners included."""
     env = band_limited_environment(12, seed=14)

@@ -59,6 +59,7 @@
 //
 // INDEX, in the order the data flows
 //   quadrature      Gauss-Legendre nodes and weights
+//   trigonometry    functions of eight angles at once
 //   layouts         pictures of the sphere: directions, positions, solid angles of texels
 //   grid            area-exact conversion from one picture to another
 //   legendre        f_lm, the theta part of Y_lm, by recurrence

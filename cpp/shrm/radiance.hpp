@@ -32,14 +32,12 @@ struct ReflectionMapView {
 // up (+z).
 glm::dvec3 cube_direction(int face, double s, double t);
 
-// The central direction C of each pair of normal and view; with gamma(theta_v), uniform over [0, pi/2], about
-// the lobe:  C = cos(gamma) N - sin(gamma) (V - (N.V) N) / |V - (N.V) N|. Interpolated normals can turn away
-// from the eye. The reflection is used as it is; about the lobe and the normal the view is brought back to
-// the horizon, where the fit over the views ends, and `view` is changed accordingly.
-glm::dvec3 central_direction(Centre centre, std::span<const double> gamma, const glm::dvec3& axis,
-                             glm::dvec3& view);
-
 // radiance (n, 3) += sum_pq B~_pq(C) Y_pq(V)   [RH02] eq. 7, or sum_p B_p0(C) Y_p0(C.V), eq. 6, if zonal.
+//
+// C is the reflection 2 (N.V) N - V, N or the tangent itself; about the lobe, with gamma(theta_v) uniform
+// over [0, pi/2],  C = cos(gamma) N - sin(gamma) (V - (N.V) N) / |V - (N.V) N|. Interpolated normals can turn
+// away from the eye: the reflection is used as it is; about the lobe and the normal the view is brought back
+// to the horizon, where the fit over the views ends.
 //   axes   the normals, or the tangents of a lobe about the tangent
 //   views  n directions, or one for all
 // Interpolation is by the four-point Lagrange polynomial in both directions, across the poles, or bilinear.

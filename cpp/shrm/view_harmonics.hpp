@@ -1,9 +1,7 @@
 // The basis of the view at one direction: all Y_pq of a global map, or all Y_p0 of a zonal one.
 #pragma once
 
-#include <cmath>
-
-#include <glm/vec3.hpp>
+#include <numbers>
 
 #include "shrm/core.hpp"
 #include "shrm/legendre.hpp"
@@ -18,36 +16,37 @@ inline const LegendreRecurrence& view_recurrence() {
     return recurrence;
 }
 
-// Y_pq(direction), real basis, for all p <= P.
-inline void real_harmonics(int P, const glm::dvec3& direction, double* Y) {
+// Y_pq(direction), real basis, for all p <= P: f_pq is sin^q times a polynomial in z, and
+// sin^q e^{i q phi} = (x + i y)^q. Value is double, or a vector of doubles.
+template <class Vector, class Value>
+inline void real_harmonics(int P, const Vector& direction, Value* Y) {
     const LegendreRecurrence& recurrence = view_recurrence();
-    const double sine = std::hypot(direction.x, direction.y);
-    const double cos1 = sine > 0 ? direction.x / sine : 1, sin1 = sine > 0 ? direction.y / sine : 0;
-    double cosine_q = std::numbers::sqrt2, sine_q = 0;
+    Value cosine_q = std::numbers::sqrt2 + Value{}, sine_q{};
     for (int q = 0; q <= P; ++q) {
-        double f = recurrence.start(q) * power(sine, q), previous = 0;
+        Value f = recurrence.start(q) + Value{}, previous{};
         for (int p = q; p <= P; ++p) {
             Y[lm(p, q)] = q ? f * cosine_q : f;
             if (q) Y[lm(p, -q)] = f * sine_q;
             const auto [a, b] = recurrence.steps(q)[p - q];
-            const double next = a * direction.z * f - b * previous;
+            const Value next = a * direction.z * f - b * previous;
             previous = f;
             f = next;
         }
-        const double turned = cosine_q * cos1 - sine_q * sin1;
-        sine_q = sine_q * cos1 + cosine_q * sin1;
+        const Value turned = cosine_q * direction.x - sine_q * direction.y;
+        sine_q = sine_q * direction.x + cosine_q * direction.y;
         cosine_q = turned;
     }
 }
 
 // Y_p0 at the angle between C and V.
-inline void zonal_harmonics(int P, double cosine, double* Y) {
+template <class Value>
+inline void zonal_harmonics(int P, const Value& cosine, Value* Y) {
     const LegendreRecurrence& recurrence = view_recurrence();
-    double f = recurrence.start(0), previous = 0;
+    Value f = recurrence.start(0) + Value{}, previous{};
     for (int p = 0; p <= P; ++p) {
         Y[p] = f;
         const auto [a, b] = recurrence.steps(0)[p];
-        const double next = a * cosine * f - b * previous;
+        const Value next = a * cosine * f - b * previous;
         previous = f;
         f = next;
     }

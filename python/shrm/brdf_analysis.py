@@ -25,9 +25,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -43,6 +41,7 @@ from shrm.lobe_quadrature import (
     leggauss,
     tabulate,
     uniform_quadrature,
+    unit_gauss,
     whole_quadrature,
 )
 
@@ -67,6 +66,10 @@ class LobeAnalysis:
         The projections g_lq(theta_o).
     energy : (channels,) float64
         The mean over the views of the integral of rho_hat^2 over the lights.
+    P : int
+        The largest order that the views are meant for.
+    quadrature_error : float
+        Fraction of the energy by which g may be off: next to nothing unless the lobe has jumps.
     """
 
     center: Center
@@ -76,8 +79,10 @@ class LobeAnalysis:
     weight: FloatArray
     g: FloatArray
     energy: FloatArray
-    _estimate_quadrature_error: Callable[[], float] = lambda: 0.0
+    P: int
+    quadrature_error: float = 0.0
     _fits: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
+    _factors: dict[tuple[int, int], tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
 
     @property
     def L(self) -> int:
@@ -94,14 +99,9 @@ class LobeAnalysis:
         """1, or 3 for a lobe whose channels differ."""
         return int(self.g.shape[0])
 
-    @cached_property
-    def quadrature_error(self) -> float:
-        """Fraction of the energy by which g may be off: next to nothing unless the lobe has jumps."""
-        return self._estimate_quadrature_error()
-
     def degree_energy(self) -> FloatArray:
         """Energy of each degree over all p, (L+1, channels): sum_q U_q of the mean over views of g_lq^2."""
-        return np.asarray(np.einsum("cqlv,v,q->lc", self.g**2, self.weight, _multiplicity(self.Q)))
+        return np.asarray(np.einsum("cql,q->lc", self.g**2 @ self.weight, _multiplicity(self.Q)))
 
     def captured(self, P: int) -> FloatArray:
         """Energy of each degree that an expansion to order P keeps, (L+1, channels)."""
@@ -119,20 +119,32 @@ class LobeAnalysis:
         if P not in self._fits:
             rho = np.zeros((self.L + 1, P + 1, P + 1, self.channels))
             kept = np.zeros((self.L + 1, self.channels))
-            root = np.sqrt(self.weight)
             for q in range(min(P, self.Q) + 1):
                 # [RH02] appendix C, step 1, the integral over theta_o with the factor 2 pi: eq. 13
-                basis = (_core.legendre(F=P, m=q, theta=self.theta_o)[q:] * root).T
-                wanted = np.moveaxis(self.g[:, q] * root, -1, 0).reshape(
-                    len(root), -1
-                )  # (views, channels (L+1))
-                fit = np.linalg.lstsq(basis, wanted, rcond=1e-6)[0]
-                lost = ((wanted - basis @ fit) ** 2).sum(axis=0)
-                energy = ((wanted**2).sum(axis=0) - lost).reshape(self.channels, self.L + 1)
+                triangle, wanted = self._factored(q, max(P, self.P))
+                n = P - q + 1
+                U, singular, Vt = np.linalg.svd(triangle[:n, :n], full_matrices=False)
+                used = singular > 1e-6 * singular[0]
+                along = U.T[used] @ wanted[:n]
+                fit = Vt[used].T @ (along / singular[used, None])
+                energy = (along**2).sum(axis=0).reshape(self.channels, self.L + 1)
                 kept += (1 if q == 0 else 2) * energy.T
-                rho[:, q:, q] = fit.reshape(P - q + 1, self.channels, self.L + 1).transpose(2, 0, 1)
+                rho[:, q:, q] = fit.reshape(n, self.channels, self.L + 1).transpose(2, 0, 1)
             self._fits[P] = rho, kept
         return self._fits[P]
+
+    def _factored(self, q: int, P: int) -> tuple[FloatArray, FloatArray]:
+        """R and Q^T g of the QR factors of the f_pq(theta_o), q <= p <= P: every lower P is in their corner.
+
+        (P-q+1, P-q+1) and (P-q+1, channels (L+1)).
+        """
+        if (q, P) not in self._factors:
+            root = np.sqrt(self.weight)
+            basis = (_core.legendre(F=P, m=q, theta=self.theta_o)[q:] * root).T
+            orthogonal, triangle = np.linalg.qr(basis)
+            wanted = (self.g[:, q] @ (orthogonal * root[:, None])).reshape(-1, len(triangle)).T
+            self._factors[q, P] = triangle, wanted
+        return self._factors[q, P]
 
 
 def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
@@ -161,54 +173,66 @@ def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
 
 def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
     """The one-dimensional path: P = 0, rho_l00 = sqrt(4 pi) rho_l  [RH02] appendix C, radially symmetric."""
-    nodes = whole_quadrature(1, _radial_width(lobe), L, K=1)
+    nodes = whole_quadrature(_radial_width(lobe), L)
     profile = columns(lobe.profile(np.cos(nodes.theta_i[0])))
-    g, energy = _project(profile[None, :, None, :], nodes, L, 0)
+    g, energy = _project(profile.reshape(*nodes.shape, -1), nodes, L, 0)
     one = np.ones(1)
-    return LobeAnalysis(lobe.center, "radial", gamma_table(lobe.center), 0 * one, one, g, energy @ one)
+    return LobeAnalysis(lobe.center, "radial", gamma_table(lobe.center), 0 * one, one, g, energy @ one, 0)
 
 
 def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
     """No azimuth: only q = 0 [RH02 section 7.1, Kajiya-Kay]. V uniform on the sphere."""
     x, w = leggauss(max(96, 8 * (P + 1)))
     theta_o, weight = np.arccos(x), w / 2
-    nodes = uniform_quadrature(len(x), L, K=1)
-    shape = nodes.phi.shape
-    table = lobe.profile(nodes.theta_i.ravel(), np.repeat(theta_o, shape[1]))
-    g, energy = _project(columns(table).reshape(*shape, -1), nodes, L, 0)
-    return LobeAnalysis(lobe.center, "zonal", gamma_table("tangent"), theta_o, weight, g, energy @ weight)
+    nodes = uniform_quadrature(len(x), L)
+    table = lobe.profile(nodes.theta_i.ravel(), np.repeat(theta_o, nodes.theta_i.shape[1]))
+    g, energy = _project(columns(table).reshape(*nodes.shape, -1), nodes, L, 0)
+    return LobeAnalysis(lobe.center, "zonal", gamma_table("tangent"), theta_o, weight, g, energy @ weight, P)
 
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
-    # Low orders need fewer nodes: a sixth to a tenth of the time, rho_lpq to 3e-4 (relative RMS).
-    views, K, least, Q_least = (24, 24, 8, 8) if P <= 3 and L <= 32 else (64, 48, 10, 24)
-    # cos^2(theta_v) uniform, as cos(2 theta_v) uniform on [-1, 1]
-    x, w = leggauss(views)
-    theta_v, weight = np.arccos(x) / 2, w / 2
-    measured, width = lobe_centre(lobe.transfer)
+    # Low orders need fewer nodes. g is good to 1e-4 (relative RMS) with either set, most lobes to 1e-5.
+    low = P <= 3 and L <= 32
+    Q = min(
+        L, max(P, 8 if low else 24)
+    )  # beyond P for the energy of all azimuths, which order selection needs
+    views = 12 + (6 * P + L) // 4  # g holds more orders than P
+    found = _projected(lobe, L, P, Q, views, K=20 if low else 32, least=6)
+    if found.quadrature_error > _ROUGH:
+        return _projected(lobe, L, P, Q, max(views, 64), K=48, least=12)
+    return found
+
+
+_ROUGH = 1e-6
+"""The quadrature error above which a lobe is taken to have jumps, and gets more nodes."""
+
+
+def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, least: int) -> LobeAnalysis:
+    # Gauss in theta_v, in which g is smooth, with the measure cos^2(theta_v) uniform
+    x, w = unit_gauss(views)
+    theta_v = np.pi / 2 * x
+    weight = np.pi / 2 * w * np.sin(2 * theta_v)
+    # `function` is the same object for every L, so that the centre is found once
+    measured, width = lobe_centre(lobe.function)
     gamma = measured if lobe.center == "lobe" else gamma_table(lobe.center)
     at_view = gamma_at(gamma, theta_v)
     nodes = horizon_quadrature(at_view, width, L, K, least)
-    Q = min(L, max(P, Q_least))  # beyond P for the energy of all azimuths, which order selection needs
-    table = tabulate(lobe.transfer, theta_v, at_view, nodes)
-    g, energy = _project(table, nodes, L, Q)
+    g, energy = _project(tabulate(lobe.transfer, theta_v, at_view, nodes), nodes, L, Q)
 
-    def quadrature_error() -> float:
-        """The same by other nodes at every eighth view: what smooth lobes agree on and jumps do not."""
-        few = slice(3, None, 8)
-        others = horizon_quadrature(at_view[few], width, L, K + 7, least + 3)
-        other, _ = _project(tabulate(lobe.transfer, theta_v[few], at_view[few], others), others, L, Q)
-        difference = np.einsum("cqlv,v,q->", (g[..., few] - other) ** 2, weight[few], _multiplicity(Q))
-        whole = float((energy[:, few] @ weight[few]).sum())
-        return float(difference / whole) if whole > 0 else 0.0
-
+    # The same by other nodes at every eighth view: what smooth lobes agree on and jumps do not
+    few = np.arange(3, views, 8)
+    others = horizon_quadrature(at_view[few], width, L, K + 7, least + 3)
+    other, _ = _project(tabulate(lobe.transfer, theta_v[few], at_view[few], others), others, L, Q)
+    difference = np.einsum("cql,q->", (g[..., few] - other) ** 2 @ weight[few], _multiplicity(Q))
+    whole = float((energy[:, few] @ weight[few]).sum())
+    error = float(difference / whole) if whole > 0 else 0.0
     return LobeAnalysis(
-        lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight, quadrature_error
+        lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight, P, error
     )
 
 
 def _radial_width(lobe: RadialLobe) -> float:
-    nodes = whole_quadrature(1, 1e-3, 0, K=1)
+    nodes = whole_quadrature(1e-3, 0)
     energy = (columns(lobe.profile(np.cos(nodes.theta_i[0]))) ** 2).sum(axis=-1) * nodes.weight_theta[0]
     inside = np.cumsum(energy)
     if inside[-1] <= 0:
@@ -217,18 +241,16 @@ def _radial_width(lobe: RadialLobe) -> float:
 
 
 def _project(table: FloatArray, nodes: Quadrature, L: int, Q: int) -> tuple[FloatArray, FloatArray]:
-    arrays = (nodes.theta_i, nodes.weight_theta, nodes.phi, nodes.weight_phi)
-    theta_i, weight_theta, phi, weight_phi = (np.ascontiguousarray(a, dtype=np.float64) for a in arrays)
-    g, energy = _core.project(
+    return _core.project(
         rho_hat=np.ascontiguousarray(table, dtype=np.float64),
-        theta_i=theta_i,
-        weight_theta=weight_theta,
-        phi=phi,
-        weight_phi=weight_phi,
+        theta_i=nodes.theta_i,
+        weight_theta=nodes.weight_theta,
+        arc=nodes.arc,
+        share=nodes.share,
+        weight_share=nodes.weight_share,
         L=L,
         Q=Q,
     )
-    return g, energy
 
 
 def _multiplicity(Q: int) -> FloatArray:

@@ -53,17 +53,21 @@ def lobe_centre(transfer: Transfer) -> tuple[FloatArray, float]:
     nodes = horizon_quadrature(
         theta_v, 0.01, L=0, K=16, least=6
     )  # about R, from a hundredth of a radian outwards
-    energy = (tabulate(transfer, theta_v, theta_v, nodes) ** 2).sum(axis=-1)
-    energy *= nodes.weight_theta[..., None] * nodes.weight_phi
-    along_x = (energy * np.sin(nodes.theta_i)[..., None] * np.cos(nodes.phi)).sum(axis=(1, 2))
-    along_z = (energy * np.cos(nodes.theta_i)[..., None]).sum(axis=(1, 2))
+    values = tabulate(transfer, theta_v, theta_v, nodes)
+    energy = np.einsum("vkic,vkic->vki", values, values)
+    # its integrals over phi, and those of its part towards x
+    ring = 2 * nodes.weight_theta * nodes.arc * (nodes.weight_share @ energy)
+    energy *= np.cos(nodes.arc[:, None] * nodes.share[:, None])
+    towards_x = 2 * nodes.weight_theta * nodes.arc * (nodes.weight_share @ energy)
+    along_x = (towards_x * np.sin(nodes.theta_i)).sum(axis=1)
+    along_z = (ring * np.cos(nodes.theta_i)).sum(axis=1)
     gamma = np.clip(theta_v - np.arctan2(along_x, along_z), 0, np.pi / 2)
     gamma[0] = 0  # by symmetry
     fine = np.linspace(0, np.pi / 2, GAMMA_SIZE)
     # theta_o = theta_v + gamma must not fall, nor C leave the quadrant between N and the horizon
     theta_o = np.maximum.accumulate(fine + _hermite(theta_v, gamma, np.minimum(fine, _GRAZING)))
     table = np.clip(theta_o - fine, 0, np.pi / 2)
-    inside = np.cumsum(energy.sum(axis=2), axis=1)
+    inside = np.cumsum(ring, axis=1)
     total = inside[:, -1]
     half = [t[np.searchsorted(e, e[-1] / 2)] for t, e in zip(nodes.theta_i, inside, strict=True) if e[-1] > 0]
     if not np.any(total > 0):

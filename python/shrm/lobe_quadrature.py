@@ -15,9 +15,14 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from shrm import _core
+
 FloatArray = npt.NDArray[np.float64]
 Transfer = Callable[[FloatArray, FloatArray], FloatArray]
 """rho_hat(wi, wo), (n, 3) unit vectors in the frame of the normal to (n,) or (n, 3)."""
+
+_BLOCK = 5400
+"""Directions asked of a lobe at once: their vectors stay below 128 KiB, where malloc maps new pages."""
 
 
 @dataclass(frozen=True)
@@ -28,21 +33,23 @@ class Quadrature:
     ----------
     theta_i, weight_theta : (views, I) float64
         Colatitudes, and weights that include sin(theta_i).
-    phi, weight_phi : (views, I, K) float64
-        Azimuths in [0, pi], and weights that count both signs.
+    arc : (views, I) float64
+        The azimuths run over [0, arc], at most pi, and stand for both signs.
+    share, weight_share : (K,) float64
+        Nodes and weights on [0, 1]: phi_k = arc share_k, its weight 2 arc weight_share_k.
     """
 
     theta_i: FloatArray
     weight_theta: FloatArray
-    phi: FloatArray
-    weight_phi: FloatArray
+    arc: FloatArray
+    share: FloatArray
+    weight_share: FloatArray
 
-
-def gauss(a: FloatArray, b: FloatArray, n: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Legendre nodes and weights on [a, b], along a new last axis."""
-    x, w = leggauss(n)
-    half = (b - a)[..., None] / 2
-    return a[..., None] + half * (x + 1), half * w
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """(views, K, I), the shape of a table over the nodes."""
+        views, I = self.theta_i.shape
+        return views, len(self.share), I
 
 
 @lru_cache(maxsize=256)
@@ -51,17 +58,31 @@ def leggauss(n: int) -> tuple[FloatArray, FloatArray]:
     return np.polynomial.legendre.leggauss(n)
 
 
-def panels(edges: FloatArray, L: int, least: int) -> tuple[FloatArray, FloatArray]:
-    """Composite Gauss nodes on the panels between edges (views, n+1); enough for degree L on each."""
-    nodes, weights = [], []
-    for a, b in zip(edges[:, :-1].T, edges[:, 1:].T, strict=True):
-        # f_lq turns by L radians per radian; Gauss needs pi nodes per wave, half a node per radian
-        n = least + int(np.ceil(0.5 * L * float(np.max(b - a))))
-        # theta = a + (b - a) sin^2: square-root ends, where the horizon enters, become smooth
-        t, w = gauss(np.zeros_like(a), np.full_like(a, np.pi / 2), n)
-        nodes.append(a[:, None] + (b - a)[:, None] * np.sin(t) ** 2)
-        weights.append((b - a)[:, None] * np.sin(2 * t) * w)
-    return np.concatenate(nodes, axis=1), np.concatenate(weights, axis=1)
+@lru_cache(maxsize=256)
+def unit_gauss(n: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss-Legendre nodes and weights on [0, 1], kept."""
+    x, w = leggauss(n)
+    return (x + 1) / 2, w / 2
+
+
+@lru_cache(maxsize=256)
+def _root_gauss(n: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss nodes in t of sin^2(pi t / 2), on [0, 1]: functions with square-root ends become smooth."""
+    t, w = unit_gauss(n)
+    return np.sin(np.pi / 2 * t) ** 2, np.pi / 2 * np.sin(np.pi * t) * w
+
+
+def panels(edges: FloatArray, L: int, least: int, roots: int) -> tuple[FloatArray, FloatArray]:
+    """Composite Gauss nodes on the panels between edges (views, n+1), the last `roots` with root ends."""
+    lengths = np.diff(edges, axis=1)
+    # f_lq turns by L radians per radian; Gauss needs pi nodes per wave, half a node per radian
+    counts = least + np.ceil(0.5 * L * lengths.max(axis=0)).astype(int)
+    smooth = len(counts) - roots
+    rules = [unit_gauss(n) if i < smooth else _root_gauss(n) for i, n in enumerate(counts.tolist())]
+    panel = np.repeat(np.arange(len(counts)), counts)
+    length = np.take(lengths, panel, axis=1)
+    nodes = np.take(edges, panel, axis=1) + length * np.concatenate([x for x, _ in rules])
+    return nodes, length * np.concatenate([w for _, w in rules])
 
 
 def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int, least: int = 10) -> Quadrature:
@@ -85,50 +106,56 @@ def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int, least: i
     Quadrature
     """
     full = np.pi / 2 - gamma  # below, the whole circle is above the horizon; above, an arc of it
-    rungs = width * 2.0 ** np.arange(np.ceil(np.log2(np.pi / width)))
-    inner = np.minimum(np.concatenate([[0.0], rungs])[None, :], full[:, None])
-    outer = full[:, None] + 2 * gamma[:, None] * np.array([0.0, 0.25, 1.0])
-    edges = np.concatenate([inner, outer], axis=1)
-    theta_i, weight = panels(edges, L, least)
+    rungs = width * 2.0 ** np.arange(max(np.ceil(np.log2(full.max() / width)), 0))
+    inner = np.minimum(np.concatenate([[0.0], rungs, [np.pi]]), full[:, None])
+    outer = full[:, None] + 2 * gamma[:, None] * np.array([0.25, 1.0])
+    # The length of the arc has square roots at both ends of the outer panels.
+    theta_i, weight = panels(np.concatenate([inner, outer], axis=1), L, least, roots=2)
     # N.L > 0: cos(phi) > -cot(gamma) cot(theta_i)
     with np.errstate(divide="ignore"):
         limit = -1 / (np.tan(gamma[:, None]) * np.tan(theta_i))
-    end = np.where(theta_i <= full[:, None], np.pi, np.arccos(np.clip(limit, -1, 1)))
-    phi, weight_phi = gauss(np.zeros_like(end), end, K)
-    return Quadrature(theta_i, weight * np.sin(theta_i), phi, 2 * weight_phi)
+    arc = np.where(theta_i <= full[:, None], np.pi, np.arccos(np.clip(limit, -1, 1)))
+    # Gauss in azimuth, too, where the arc is a whole circle: it is dense where lobes are narrow, at phi = 0
+    return Quadrature(theta_i, weight * np.sin(theta_i), arc, *unit_gauss(K))
 
 
-def whole_quadrature(views: int, width: float, L: int, K: int) -> Quadrature:
-    """Nodes over the whole sphere, for lobes without a horizon."""
+def whole_quadrature(width: float, L: int) -> Quadrature:
+    """Nodes over the whole sphere, for radial lobes: one view and one azimuth."""
     rungs = width * 2.0 ** np.arange(np.ceil(np.log2(np.pi / 2 / width)))
     edges = np.concatenate([[0.0], rungs[rungs < np.pi / 2], [np.pi / 2, np.pi]])
-    theta_i, weight = panels(np.tile(edges, (views, 1)), L, least=12)
-    if K == 1:
-        phi, weight_phi = np.zeros((*theta_i.shape, 1)), np.full((*theta_i.shape, 1), 2 * np.pi)
-    else:
-        phi, weight_phi = gauss(np.zeros_like(theta_i), np.full_like(theta_i, np.pi), K)
-        weight_phi = 2 * weight_phi
-    return Quadrature(theta_i, weight * np.sin(theta_i), phi, weight_phi)
+    theta_i, weight = panels(edges[None], L, least=12, roots=len(edges) - 1)
+    return _without_azimuth(theta_i, weight)
 
 
-def uniform_quadrature(views: int, L: int, K: int, count: int = 8) -> Quadrature:
-    """Nodes over the whole sphere with no preferred colatitude, for lobes about the tangent."""
+def uniform_quadrature(views: int, L: int, count: int = 8) -> Quadrature:
+    """Nodes over the whole sphere with no preferred colatitude, for lobes about the tangent: one azimuth."""
     edges = np.tile(np.linspace(0, np.pi, count + 1), (views, 1))
-    theta_i, weight = panels(edges, L, least=24)
-    phi, weight_phi = gauss(np.zeros_like(theta_i), np.full_like(theta_i, np.pi), K)
-    return Quadrature(theta_i, weight * np.sin(theta_i), phi, 2 * weight_phi)
+    theta_i, weight = panels(edges, L, least=24, roots=count)
+    return _without_azimuth(theta_i, weight)
+
+
+def _without_azimuth(theta_i: FloatArray, weight: FloatArray) -> Quadrature:
+    arc = np.full_like(theta_i, np.pi)
+    return Quadrature(theta_i, weight * np.sin(theta_i), arc, np.zeros(1), np.ones(1))
 
 
 def tabulate(transfer: Transfer, theta_v: FloatArray, gamma: FloatArray, nodes: Quadrature) -> FloatArray:
-    """rho_hat at the nodes, (views, I, K, channels): L and V carried from the frame of C to that of N."""
-    sin_i, cos_i = np.sin(nodes.theta_i)[..., None], np.cos(nodes.theta_i)[..., None]
-    x, y = sin_i * np.cos(nodes.phi), sin_i * np.sin(nodes.phi)
-    c, s = np.cos(gamma)[:, None, None], np.sin(gamma)[:, None, None]
-    wi = np.stack([x * c - cos_i * s, y, x * s + cos_i * c], axis=-1)
-    wo = np.stack([np.sin(theta_v), np.zeros_like(theta_v), np.cos(theta_v)], axis=-1)
-    wo = np.broadcast_to(wo[:, None, None, :], wi.shape)
-    values = transfer(wi.reshape(-1, 3), np.ascontiguousarray(wo.reshape(-1, 3)))
-    return columns(values).reshape(*nodes.phi.shape, -1)
+    """rho_hat at the nodes, (views, K, I, channels): L and V carried from the frame of C to that of N."""
+    views, K, I = nodes.shape
+    step = max(_BLOCK // (K * I), 1)
+    blocks = [slice(v, min(v + step, views)) for v in range(0, views, step)]
+    parts = [columns(transfer(*_frames(theta_v, gamma, nodes, at))) for at in blocks]
+    return np.concatenate(parts).reshape(views, K, I, -1)
+
+
+def _frames(
+    theta_v: FloatArray, gamma: FloatArray, nodes: Quadrature, at: slice
+) -> tuple[FloatArray, FloatArray]:
+    """Return wi and wo at the nodes of some views, (n, 3) each, their components contiguous."""
+    wi, wo = _core.directions(
+        theta_v=theta_v[at], gamma=gamma[at], theta_i=nodes.theta_i[at], arc=nodes.arc[at], share=nodes.share
+    )
+    return wi.reshape(3, -1).T, wo.reshape(3, -1).T
 
 
 def columns(values: FloatArray) -> FloatArray:

@@ -167,11 +167,13 @@ def choose(
             f"criterion {criterion!r} is for materials of one lobe, and {brdf.name} has {len(brdf.lobes)}: "
             "use criterion='light', or brdf.recentred('reflection', merge=True)"
         )
-    found = None
+    found, beyond_help = None, False
     for L in degrees_tried(F_max):
+        if beyond_help and F_max > L:
+            continue
         lobes = analysed(brdf, L, P_max)
         power = LightPower.natural(L) if env is None else LightPower.of(env, L)
-        found = _choose_at(lobes, power, tolerance, criterion, P_max)
+        found, beyond_help = _choose_at(lobes, power, tolerance, criterion, P_max)
         if not found.limited_by:
             return found
     assert found is not None
@@ -314,13 +316,16 @@ class _Measure:
 
 def _choose_at(
     lobes: tuple[LobeAnalysis, ...], power: LightPower, tolerance: float, criterion: Criterion, P_max: int
-) -> Orders:
-    """Reduce P, then F, each lobe to its share of the whole material's error."""
+) -> tuple[Orders, bool]:
+    """Reduce P, then F, each lobe to its share of the whole material's error.
+
+    Also tells whether no larger degree can help: what degrees lose in p > P_max stays lost.
+    """
     measures = [_Measure(lobe, power, criterion) for lobe in lobes]
     whole = sum(measure.total for measure in measures)
     squared = tolerance**2 if criterion == "light" else tolerance
     allowed = squared * whole / len(lobes)
-    chosen, limited_by = [], ""
+    chosen, limited_by, lost = [], "", 0.0
     for lobe, measure in zip(lobes, measures, strict=True):
         L = lobe.L
         most = 0 if lobe.kind == "radial" else P_max
@@ -330,6 +335,7 @@ def _choose_at(
             P = most
             beyond_P = measure.degree_energy - lobe.captured(P)
             lost_in_p = float((measure.light * beyond_P).sum()) if criterion != "minimum" else 0.0
+            lost += lost_in_p
             limited_by = "P" if most and lost_in_p > measure.residual(L, P) / 2 else "F"
         # Within 2% of the squared error, if that is more than allowed: degrees that P makes useless are not
         # kept.
@@ -339,8 +345,8 @@ def _choose_at(
     combined = _combined(chosen, limited_by, criterion)
     # Lobes that miss their share may be made up for by the others.
     if limited_by and combined.error <= tolerance:
-        return _combined(chosen, "", criterion)
-    return combined
+        return _combined(chosen, "", criterion), False
+    return combined, criterion in ("light", "brdf") and lost > squared * whole
 
 
 def _combined(lobes: Sequence[LobeOrders], limited_by: str, criterion: Criterion) -> Orders:

@@ -50,8 +50,17 @@ def wigner_d(*, m: int, q: int, F: int, alpha: float) -> F64: ...
 
 # brdf_analysis
 def legendre(*, F: int, m: int, theta: F64) -> F64: ...
+def directions(*, theta_v: F64, gamma: F64, theta_i: F64, arc: F64, share: F64) -> tuple[F64, F64]: ...
 def project(
-    *, rho_hat: F64, theta_i: F64, weight_theta: F64, phi: F64, weight_phi: F64, L: int, Q: int
+    *,
+    rho_hat: F64,
+    theta_i: F64,
+    weight_theta: F64,
+    arc: F64,
+    share: F64,
+    weight_share: F64,
+    L: int,
+    Q: int,
 ) -> tuple[F64, F64]: ...
 
 # reflection_map, radiance
