@@ -65,15 +65,19 @@ class RadialIntegral:
         table = lobe_tables.radial_table(profile, tolerance)
         self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
         self.width, self.error = table.width, table.error
-        self._table: dict[str, Any] = {"profile": table.values, "outer": table.outer}
+        self._table: dict[str, Any] = {**profile_arguments(table), "outer": table.outer}
 
     def about(self, picture: dict[str, Any], centers: Array) -> Radiance:
         """Radiance (n, 3) for centres (n, 3)."""
         return np.asarray(_core.angular_radial(**picture, **self._table, centres=centers))
 
-    def map(self, picture: dict[str, Any], height: int, width: int) -> Radiance:
-        """Radiance (height, width, 3) for centres on a lat-long grid, the kernel slid along each row."""
-        return np.asarray(_core.angular_radial_map(**picture, **self._table, height=height, width=width))
+    def map(self, picture: dict[str, Any], height: int, width: int, symmetry: bool) -> Radiance:
+        """Radiance (height, width, 3) for centres on a lat-long grid; by symmetry, the kernel of a row slides."""
+        return np.asarray(
+            _core.angular_radial_map(
+                **picture, **self._table, height=height, width=width, symmetry=symmetry
+            )
+        )
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
         """Reflected radiance; see `LobeIntegral`."""
@@ -82,6 +86,16 @@ class RadialIntegral:
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeIntegral`."""
         return centers if self.center == "normal" else bisector(centers, v)
+
+
+def profile_arguments(table: lobe_tables.RadialTable) -> dict[str, Any]:
+    """A radial table as the core takes it."""
+    return {
+        "profile": table.values,
+        "shift": table.shift,
+        "scale": table.scale,
+        "support": table.support,
+    }
 
 
 class ZonalIntegral:
@@ -107,16 +121,24 @@ class IsotropicIntegral:
     """Any other lobe, cut at the horizon of N."""
 
     def __init__(self, center: str, transfer: Callable[[Array, Array], Array], tolerance: float):
-        table = lobe_tables.isotropic_table(transfer, tolerance)
         self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+        half_angle = lobe_tables.half_angle_table(transfer, tolerance)
+        table = half_angle or lobe_tables.isotropic_table(transfer, tolerance)
         self.width, self.error = table.width, table.error
-        self._table: dict[str, Any] = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
+        self._integrate: Callable[..., Any]
+        self._table: dict[str, Any]
+        if isinstance(table, lobe_tables.HalfAngleTable):
+            self._integrate = _core.angular_half_angle
+            self._table = {**profile_arguments(table.radial), "caps": table.caps}
+        else:
+            self._integrate = _core.angular_isotropic
+            self._table = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
         self._transfer = transfer
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
         """Reflected radiance; see `LobeIntegral`."""
         n, v = above_horizon(self.center, n, v)
-        return np.asarray(_core.angular_isotropic(**picture, **self._table, normals=n, views=v))
+        return np.asarray(self._integrate(**picture, **self._table, normals=n, views=v))
 
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeIntegral`."""
