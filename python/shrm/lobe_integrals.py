@@ -74,7 +74,9 @@ class RadialIntegral:
     def map(self, picture: dict[str, Any], height: int, width: int, symmetry: bool) -> Radiance:
         """Radiance (height, width, 3) for centres on a lat-long grid; by symmetry, the kernel of a row slides."""
         return np.asarray(
-            _core.angular_radial_map(**picture, **self._table, height=height, width=width, symmetry=symmetry)
+            _core.angular_radial_map(
+                **picture, **self._table, height=height, width=width, symmetry=symmetry
+            )
         )
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
