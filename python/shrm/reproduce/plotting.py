@@ -36,7 +36,7 @@ def plain_log(axis: Axis, base: float = 10.0, subs: Sequence[float] = (1.0,), pe
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     axis.set_major_locator(LogLocator(base=base, subs=subs, numticks=20))
-    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{100 * x:.3g}%" if percent else f"{x:.4g}"))
+    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{100 * x:.3g}%" if percent else f"{x:.6g}"))
     axis.set_minor_locator(NullLocator())
 
 
