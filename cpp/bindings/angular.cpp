@@ -41,7 +41,8 @@ angular::RadialProfile profile_of(const Array<float>& profile, int shift, double
     require_channels(extent(profile, 0));
     const int segments = extent(profile, 2);
     if (shift < 0 || shift > 22 || segments < 32 || (segments & (segments - 1)) != 0)
-        throw py::value_error("profile needs a power of two of segments, at least 32, and a shift in [0, 22]");
+        throw py::value_error(
+            "profile needs a power of two of segments, at least 32, and a shift in [0, 22]");
     if (segments >> (23 - shift) > 100) throw py::value_error("profile covers more octaves than a float has");
     if (!(scale > 0) || !(support > 0)) throw py::value_error("scale and support must be positive");
     return {view(profile), extent(profile, 0), segments, shift, scale, support};
@@ -163,7 +164,8 @@ void bind_angular(py::module_& module) {
                py::arg("outer"), py::arg("centres").noconvert());
     module.def("angular_radial_map", radial_map, py::kw_only(), py::arg("planes").noconvert(),
                py::arg("subsamples"), py::arg("profile").noconvert(), py::arg("shift"), py::arg("scale"),
-               py::arg("support"), py::arg("outer"), py::arg("height"), py::arg("width"), py::arg("symmetry"));
+               py::arg("support"), py::arg("outer"), py::arg("height"), py::arg("width"),
+               py::arg("symmetry"));
     module.def("angular_half_angle", half_angle, py::kw_only(), py::arg("planes").noconvert(),
                py::arg("subsamples"), py::arg("profile").noconvert(), py::arg("shift"), py::arg("scale"),
                py::arg("support"), py::arg("caps").noconvert(), py::arg("normals").noconvert(),

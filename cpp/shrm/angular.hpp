@@ -46,9 +46,10 @@ struct Band {
 };
 
 // u as cubics of z = 1 + scale sin^2(theta/2) >= 1, which needs no root and whose logarithm spends segments
-// where a lobe is sharp: values [channel][4][segments], coefficients of z^0 ... z^3. The segment of z is
-// (bits of z as float) >> shift modulo segments, a power of two: some to each octave. The last segment is 0,
-// and so is u beyond the angle `support`, where it begins. Channels 1 or 3.
+// where a lobe is sharp: values [channel][4][segments], coefficients of z^0 ... z^3; if there are more than
+// 32 segments, of x instead of z, which goes from 1 to 2 along each, lest large terms cancel. The segment of
+// z is (bits of z as float) >> shift modulo segments, a power of two: some to each octave. The last segment
+// is 0, and so is u beyond the angle `support`, where it begins. Channels 1 or 3.
 struct RadialProfile {
     std::span<const float> values;
     int channels;

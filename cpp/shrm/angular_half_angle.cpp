@@ -14,12 +14,7 @@
 namespace shrm::angular {
 namespace {
 
-// Half vectors of a row of nodes for one view, each g H, where z = 1 + |g H - g N|^2 as the profile has it:
-// sin^2(theta_h / 2) = |H - N|^2 / 4 keeps its accuracy for small angles.
-struct HalfVectors {
-    const float *x, *y, *z;
-};
-
+// g H of the lights of a row of nodes, as HalfVectors, for one view.
 void half_vectors(const float* __restrict cos_phi, const float* __restrict sin_phi, int n, float sin_theta,
                   float cos_theta, const glm::vec3& view, float g, float* out, std::size_t stride) {
     float* __restrict x = out;
@@ -36,14 +31,56 @@ void half_vectors(const float* __restrict cos_phi, const float* __restrict sin_p
     }
 }
 
-struct Scratch {
-    Reach reach;
-    std::vector<float> height;  // N.L of a column at theta = pi/2, less N_z: [k][row_length]
-    std::vector<float> half;    // of one arc [3][...]
-    std::vector<float> weight;
+struct Columns {
+    std::vector<float> cos_phi, sin_phi;
+    explicit Columns(const Nodes& nodes)
+        : cos_phi(nodes.cos_phi.begin(), nodes.cos_phi.end()),
+          sin_phi(nodes.sin_phi.begin(), nodes.sin_phi.end()) {}
 };
 
-// A light's half vectors depend on the view alone, not on the normal: all normals of a distant view share them.
+// One query: the texels that it visits, N.L of a column at theta = pi/2 less N_z [k][row_length], and its
+// sum.
+struct Visited {
+    glm::dvec3 normal, view;
+    Reach reach;
+    bool cut;  // by the horizon; else the height is not needed
+    std::vector<float> height;
+    Lanes single[3];
+    int terms;
+    Sum sum;
+
+    void find(const Nodes& nodes, const Columns& columns, std::span<const Cap> caps, const glm::dvec3& n,
+              const glm::dvec3& v) {
+        normal = n;
+        view = v;
+        const LocalFrame frame(n, v);
+        const Visit visit(frame, ViewPlace(frame.cos_v, static_cast<int>(caps.size()) - 1), caps);
+        reach.find(nodes, Centre(visit.axis), {0, visit.outer});
+        cut = visit.outer + std::acos(std::clamp(glm::dot(n, visit.axis), -1.0, 1.0)) > pi / 2 - 1e-6;
+        if (cut) {
+            height.resize(columns.cos_phi.size());
+            const glm::vec3 m(n);
+            for (std::size_t j = 0; j < height.size(); ++j)
+                height[j] = m.x * columns.cos_phi[j] + m.y * columns.sin_phi[j];
+        }
+        for (Lanes& part : single) part = Lanes{};
+        terms = 0;
+        sum = Sum();
+    }
+};
+
+// Queries at once: rows of the picture and of its half vectors, which are more than a cache holds, serve them
+// all.
+inline constexpr int queries_at_once = 16;
+
+struct Scratch {
+    Visited visited[queries_at_once];
+    std::vector<float> half;    // of one arc [3][row_length]
+    std::vector<float> weight;  // of one arc
+};
+
+// A light's half vectors depend on the view alone, not on the normal: all normals of a distant view share
+// them.
 struct SharedView {
     glm::dvec3 view;
     std::vector<float> half;  // [H * k][k][3][row_length]; empty if few queries have this view
@@ -52,26 +89,6 @@ struct SharedView {
 };
 
 inline constexpr int shared_subsamples = 2;  // more would fill the memory
-
-struct Query {
-    glm::vec3 n;  // g N
-    float sin_theta, rest;
-};
-
-// u where N.L > 0 for a group of lanes from j on.
-template <class Profile>
-SHRM_INLINE Lanes half_angle(const Profile& u, const HalfVectors& h, const float* height, int j, const Query& q) {
-    const Lanes dx = load(h.x + j) - q.n.x, dy = load(h.y + j) - q.n.y, dz = load(h.z + j) - q.n.z;
-    const Lanes above = q.sin_theta * load(height + j) + q.rest;
-    return only(above > 0.0f, u.anywhere(dz * dz + (dy * dy + (dx * dx + 1.0f))));
-}
-
-struct Columns {
-    std::vector<float> cos_phi, sin_phi;
-    explicit Columns(const Nodes& nodes)
-        : cos_phi(nodes.cos_phi.begin(), nodes.cos_phi.end()),
-          sin_phi(nodes.sin_phi.begin(), nodes.sin_phi.end()) {}
-};
 
 // What all queries use.
 struct Setting {
@@ -99,81 +116,77 @@ void share(Setting& setting) {
             half_vectors(columns.cos_phi.data() + b * length, columns.sin_phi.data() + b * length, length,
                          static_cast<float>(nodes.sin_theta[size(row)]),
                          static_cast<float>(nodes.cos_theta[size(row)]), glm::vec3(shared.view), g,
-                         setting.shared.half.data() + 3 * size(row * nodes.k + b) * planes.length, planes.length);
+                         setting.shared.half.data() + 3 * size(row * nodes.k + b) * planes.length,
+                         planes.length);
 }
 
-// A query's texels, for a view that is shared and one node to a texel: nothing but rows of the innermost loop.
-template <bool held>
-void sum_shared(const Setting& setting, const RadialProfile& profile, const glm::dvec3& normal, const Scratch& s,
-                float* out) {
+// A query's texels in row i, for a view that is shared and one node to a texel: the innermost loop alone.
+template <class Profile>
+SHRM_INLINE void sum_shared(const Setting& setting, const Profile& u, int i, Visited& of) {
     const auto& [nodes, planes, columns, g, shared] = setting;
-    const Cubics<held> u(profile, 0);
-    Query q = {glm::vec3(static_cast<double>(g) * normal), 0, 0};
-    Sum sum;
-    Lanes single[3] = {};
-    int terms = 0;
-    for (int i = s.reach.first; i < s.reach.last; ++i) {
-        const Arcs arcs = s.reach.columns(nodes, i);
-        if (arcs.count == 0) continue;
-        const int begin = arcs.arc[0].begin, n = arcs.arc[0].end - begin;
-        const float* first = planes.at(0, i, begin);
-        const float* light[3] = {first, first + planes.stride, first + 2 * planes.stride};
-        const float* h = shared.half.data() + 3 * size(i) * planes.length + begin;
-        q.sin_theta = static_cast<float>(nodes.sin_theta[size(i)]);
-        q.rest = static_cast<float>(nodes.cos_theta[size(i)] * normal.z);
-        const HalfVectors vectors = {h, h + planes.length, h + 2 * planes.length};
-        const float* height = s.height.data() + begin;
-        sum_weighted([&](int j) { return half_angle(u, vectors, height, j, q); }, light, n, single);
-        terms += n / width + 1;
-        if (terms > terms_in_single) {
-            sum.add(single);
-            terms = 0;
-        }
+    if (i < of.reach.first || i >= of.reach.last) return;
+    const Arcs arcs = of.reach.columns(nodes, i);
+    if (arcs.count == 0) return;
+    const int begin = arcs.arc[0].begin, n = arcs.arc[0].end - begin;
+    const float* first = planes.at(0, i, begin);
+    const float* light[3] = {first, first + planes.stride, first + 2 * planes.stride};
+    const float* h = shared.half.data() + 3 * size(i) * planes.length + begin;
+    const HalfVectors vectors = {h, h + planes.length, h + 2 * planes.length};
+    const float* height = of.cut ? of.height.data() + begin : nullptr;
+    const HalfAngleRow row = {glm::vec3(static_cast<double>(g) * of.normal),
+                              static_cast<float>(nodes.sin_theta[size(i)]),
+                              static_cast<float>(nodes.cos_theta[size(i)] * of.normal.z)};
+    if (of.cut)
+        sum_weighted([&](int j) { return half_angle<true>(u, vectors, height, j, row); }, light, n,
+                     of.single);
+    else
+        sum_weighted([&](int j) { return half_angle<false>(u, vectors, height, j, row); }, light, n,
+                     of.single);
+    of.terms += n / width + 1;
+    if (of.terms > terms_in_single) {
+        of.sum.add(of.single);
+        of.terms = 0;
     }
-    sum.add(single);
-    sum.write(out);
 }
 
-// The same for any number of nodes and any view.
-template <bool held>
-void sum_any(const Setting& setting, const RadialProfile& profile, const glm::dvec3& normal,
-             const glm::dvec3& view, Scratch& s, float* out) {
+// All its texels, for any number of nodes and any view.
+template <class Profile>
+void sum_any(const Setting& setting, const Profile& u, Visited& of, Scratch& s) {
     const auto& [nodes, planes, columns, g, shared] = setting;
-    const Cubics<held> u(profile, 0);
-    const bool tabulated = !shared.half.empty() && shared.is(view);
+    const bool tabulated = !shared.half.empty() && shared.is(of.view);
     const int length = row_length(nodes.W);
     s.half.resize(3 * size(length));
     s.weight.resize(size(length));
     const float* w[3] = {s.weight.data(), s.weight.data(), s.weight.data()};
-    Query q = {glm::vec3(static_cast<double>(g) * normal), 0, 0};
-    Sum sum;
-    for (int i = s.reach.first; i < s.reach.last; ++i) {
-        const Arcs arcs = s.reach.columns(nodes, i);
+    HalfAngleRow at = {glm::vec3(static_cast<double>(g) * of.normal), 0, 0};
+    for (int i = of.reach.first; i < of.reach.last; ++i) {
+        const Arcs arcs = of.reach.columns(nodes, i);
         if (arcs.count == 0) continue;
         const int begin = arcs.arc[0].begin, n = arcs.arc[0].end - begin;
         std::fill_n(s.weight.data(), round_up(n, width), 0.0f);
         for (int node = i * nodes.k; node < (i + 1) * nodes.k; ++node)
             for (int b = 0; b < nodes.k; ++b) {
                 const std::size_t row = size(node), column = size(b * length + begin);
-                q.sin_theta = static_cast<float>(nodes.sin_theta[row]);
-                q.rest = static_cast<float>(nodes.cos_theta[row] * normal.z);
+                at.sin_theta = static_cast<float>(nodes.sin_theta[row]);
+                at.rest = static_cast<float>(nodes.cos_theta[row] * of.normal.z);
                 const float* h = s.half.data();
                 if (tabulated)
                     h = shared.half.data() + 3 * (row * size(nodes.k) + size(b)) * planes.length + begin;
                 else
                     half_vectors(columns.cos_phi.data() + column, columns.sin_phi.data() + column,
-                                 round_up(n, width), q.sin_theta, static_cast<float>(nodes.cos_theta[row]),
-                                 glm::vec3(view), g, s.half.data(), planes.length);
+                                 round_up(n, width), at.sin_theta, static_cast<float>(nodes.cos_theta[row]),
+                                 glm::vec3(of.view), g, s.half.data(), planes.length);
                 const HalfVectors vectors = {h, h + planes.length, h + 2 * planes.length};
                 const float share = static_cast<float>(nodes.row_share[row] * nodes.column_share[size(b)]);
-                for (int j = 0; j < n; j += width)
-                    store(s.weight.data() + j, load(s.weight.data() + j) +
-                                                   share * half_angle(u, vectors, s.height.data() + column, j, q));
+                for (int j = 0; j < n; j += width) {
+                    const Lanes u_j = of.cut ? half_angle<true>(u, vectors, of.height.data() + column, j, at)
+                                             : half_angle<false>(u, vectors, nullptr, j, at);
+                    store(s.weight.data() + j, load(s.weight.data() + j) + share * u_j);
+                }
             }
         const float* light[3] = {planes.at(0, i, begin), planes.at(1, i, begin), planes.at(2, i, begin)};
-        accumulate(w, light, n, sum);
+        accumulate(w, light, n, of.sum);
     }
-    sum.write(out);
 }
 
 template <bool held>
@@ -185,15 +198,28 @@ void half_angles(const Picture& picture, const RadialProfile& profile, std::span
     SharedView& shared = setting.shared;
     const auto same = std::count_if(views.begin(), views.end(), [&](const auto& v) { return shared.is(v); });
     if (picture.subsamples <= shared_subsamples && same > 1) share(setting);
-    for_each_query<Scratch>(normals.size(), [&](std::size_t q, Scratch& s) {
-        const LocalFrame frame(normals[q], views[q]);
-        const Visit visit(frame, ViewPlace(frame.cos_v, static_cast<int>(caps.size()) - 1), caps);
-        s.reach.find(setting.nodes, Centre(visit.axis), {0, visit.outer});
-        along_columns(setting.nodes, normals[q].x, normals[q].y, 0, s.height);
-        if (picture.subsamples == 1 && !shared.half.empty() && shared.is(views[q]))
-            sum_shared<held>(setting, profile, normals[q], s, &out[3 * q]);
-        else
-            sum_any<held>(setting, profile, normals[q], views[q], s, &out[3 * q]);
+    const std::size_t blocks = (normals.size() + queries_at_once - 1) / queries_at_once;
+    for_each_query<Scratch>(blocks, [&](std::size_t block, Scratch& s) {
+        const Cubics<held> u(profile, 0);
+        const std::size_t from = block * queries_at_once,
+                          count = std::min<std::size_t>(queries_at_once, normals.size() - from);
+        int first = picture.H, last = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            Visited& of = s.visited[k];
+            of.find(setting.nodes, setting.columns, caps, normals[from + k], views[from + k]);
+            if (picture.subsamples > 1 || shared.half.empty() || !shared.is(of.view)) {
+                sum_any(setting, u, of, s);
+                of.reach.last = of.reach.first;
+            }
+            first = std::min(first, of.reach.first);
+            last = std::max(last, of.reach.last);
+        }
+        for (int i = first; i < last; ++i)
+            for (std::size_t k = 0; k < count; ++k) sum_shared(setting, u, i, s.visited[k]);
+        for (std::size_t k = 0; k < count; ++k) {
+            s.visited[k].sum.add(s.visited[k].single);
+            s.visited[k].sum.write(&out[3 * (from + k)]);
+        }
     });
 }
 

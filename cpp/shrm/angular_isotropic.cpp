@@ -21,8 +21,8 @@ struct Lookup {
 
 SHRM_INLINE void look_up(const Lookup& table, const float* __restrict envelope, const float* __restrict X,
                          const float* __restrict Y, const float* __restrict Z, int n, float sin_theta,
-                         const float* rest, float share, int* __restrict cell,
-                         float* __restrict t_light, float* __restrict t_azimuth, float* __restrict scale) {
+                         const float* rest, float share, int* __restrict cell, float* __restrict t_light,
+                         float* __restrict t_azimuth, float* __restrict scale) {
     constexpr float tiny = 1e-30f;
     for (int j = 0; j < n; ++j) {
         const float x = sin_theta * X[j] + rest[0], y = sin_theta * Y[j] + rest[1],
@@ -74,7 +74,8 @@ void isotropic_query(const Nodes& nodes, const Planes& planes, const IsotropicTa
     const ViewPlace place(cos_v, table.view_intervals);
     const int row = table.azimuth_intervals + 2;
     const std::size_t plane = size(row) * size(table.light_intervals + 2);
-    mix_rows(table.ratio.data(), plane * size(table.channels), place.from, static_cast<float>(place.t), s.slice);
+    mix_rows(table.ratio.data(), plane * size(table.channels), place.from, static_cast<float>(place.t),
+             s.slice);
 
     const Visit visit(frame, place, table.caps);
     s.reach.find(nodes, Centre(visit.axis), {0, visit.outer});

@@ -47,7 +47,7 @@ SHRM_INLINE Lanes only(const Ints& mask, const Lanes& v) {
 
 // The first n lanes.
 SHRM_INLINE Ints below(int n) {
-    Ints lane;
+    Ints lane = {};
     for (int k = 0; k < width; ++k) lane[k] = k;
     return lane < n;
 }
@@ -74,7 +74,8 @@ struct Sum {
     }
 };
 
-// Terms that one lane may sum in single precision: rounding stays near 1e-6 even where they all are of one sign.
+// Terms that one lane may sum in single precision: rounding stays near 1e-6 even where they all are of one
+// sign.
 inline constexpr int terms_in_single = 256;
 
 // sum[c] += sum_j weight(j) light[c][j], n of them, a whole group of lanes at a time.

@@ -52,7 +52,8 @@ struct Scratch {
 
 // weight[j] = the profile's mean over texel j of n in a row of a cap, readable in whole groups of lanes.
 template <bool held>
-SHRM_INLINE void weigh(const Nodes& nodes, const Cubics<held>& u, const Visited& cap, const Row& row, float* weight) {
+SHRM_INLINE void weigh(const Nodes& nodes, const Cubics<held>& u, const Visited& cap, const Row& row,
+                       float* weight) {
     std::fill_n(weight, round_up(row.count, width), 0.0f);
     for (int a = 0; a < nodes.k; ++a) {
         const std::size_t node = size(row.i * nodes.k + a);
@@ -261,8 +262,8 @@ struct Map {
 
 // Columns first, first + step, ... of the rows of the map from `top` on.
 template <bool held>
-void slide(const Nodes& nodes, const Sorted& light, const RadialProfile& profile, double outer, const Map& map,
-           int top, int first, int step, SlideScratch& s, float* out) {
+void slide(const Nodes& nodes, const Sorted& light, const RadialProfile& profile, double outer,
+           const Map& map, int top, int first, int step, SlideScratch& s, float* out) {
     const int rows = std::min(map_rows, map.H - top);
     for (int r = 0; r < map_rows; ++r)
         if (r < rows)

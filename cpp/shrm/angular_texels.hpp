@@ -89,8 +89,7 @@ struct Centre {
         sin_theta = across / length;
     }
     double ring(const Nodes& nodes, std::size_t row) const {
-        return std::max(0.0,
-                        0.5 * (1 - nodes.cos_theta[row] * cos_theta - nodes.sin_theta[row] * sin_theta));
+        return std::max(0.0, 0.5 * (1 - nodes.cos_theta[row] * cos_theta - nodes.sin_theta[row] * sin_theta));
     }
     double span(const Nodes& nodes, std::size_t row) const { return sin_theta * nodes.sin_theta[row]; }
 };
@@ -98,10 +97,10 @@ struct Centre {
 // asin(sqrt(v)) to 1e-11 for v in [0, 1], without a branch, so that a loop over it is in lanes.
 inline double asin_sqrt(double v) {
     // Chebyshev's interpolant of asin(sqrt(x)) / sqrt(x) on [0, 1/2], where that is smooth.
-    constexpr double a[] = {0.99999999999373,    0.16666667019626058,   0.07499967234020394,
-                            0.044654713815160126, 0.030161635086481904, 0.024767921566285628,
-                            0.0010204557728229688, 0.08608627534995324, -0.19570322231156756,
-                            0.38705344982445244, -0.3930207148194313,   0.20553722381591796};
+    constexpr double a[] = {0.99999999999373,      0.16666667019626058,  0.07499967234020394,
+                            0.044654713815160126,  0.030161635086481904, 0.024767921566285628,
+                            0.0010204557728229688, 0.08608627534995324,  -0.19570322231156756,
+                            0.38705344982445244,   -0.3930207148194313,  0.20553722381591796};
     const double x = std::min(v, 1 - v);
     double series = 0;
     for (int n = 11; n >= 0; --n) series = series * x + a[n];
@@ -130,7 +129,7 @@ inline void half_arcs(const Nodes& nodes, const Centre& centre, double within, s
 // The columns of each row of texels inside a band. With several nodes to a texel, texels that the band
 // touches are taken whole, so that what is left out is never more than was asked for.
 class Reach {
-    std::vector<double> outer_, inner_;                     // half arcs of rows of nodes [H * k], then of texels
+    std::vector<double> outer_, inner_;  // half arcs of rows of nodes [H * k], then of texels
     std::vector<int> begin_, end_, hole_begin_, hole_end_;  // columns [H], not yet turned into [0, W)
 
     // The widest or narrowest of a texel's rows of nodes.
@@ -144,7 +143,7 @@ class Reach {
         }
     }
 
-public:
+  public:
     int first = 0, last = 0;  // rows that there is anything in, and maybe their neighbours
 
     void find(const Nodes& nodes, const Centre& about, const Band& band) {
@@ -170,7 +169,9 @@ public:
             begins[i] = all ? whole : begin;
             ends[i] = all ? whole + W : outer[i] < 0 ? begin : end;
         }
-        hole_begin_ = hole_end_ = end_;
+        hole_begin_.resize(size(nodes.H));
+        hole_end_.resize(size(nodes.H));
+        for (std::size_t i = from; i < to; ++i) hole_begin_[i] = hole_end_[i] = end_[i];
         if (band.inner <= 0) return;
         half_arcs(nodes, about, band.inner, from * k, to * k, inner_);
         of_texels(nodes, inner_, [](double a, double b) { return std::min(a, b); });

@@ -72,11 +72,9 @@ class RadialIntegral:
         return np.asarray(_core.angular_radial(**picture, **self._table, centres=centers))
 
     def map(self, picture: dict[str, Any], height: int, width: int, symmetry: bool) -> Radiance:
-        """Radiance (height, width, 3) for centres on a lat-long grid; by symmetry, the kernel of a row slides."""
+        """Radiance (height, width, 3) for centres on a lat-long grid, by symmetry about its axis or not."""
         return np.asarray(
-            _core.angular_radial_map(
-                **picture, **self._table, height=height, width=width, symmetry=symmetry
-            )
+            _core.angular_radial_map(**picture, **self._table, height=height, width=width, symmetry=symmetry)
         )
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
@@ -151,20 +149,26 @@ class IsotropicIntegral:
         theta_v = np.linspace(0, np.pi / 2, len(gamma))
         theta_o = np.maximum.accumulate(theta_v + gamma)
         angle = np.interp(angle_between(centers, v), theta_o, theta_v)
-        x = local_frames(v, centers)[:, :, 0]
+        x = across(v, centers)
         return np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * x
 
 
 # ---- Directions
 
 
-def local_frames(z: Array, towards: Array) -> Array:
-    """Frames (n, 3, 3) with columns x, y, z; x in the plane of z and `towards`, if they are not parallel."""
-    z = z / np.linalg.norm(z, axis=1, keepdims=True)
+def across(z: Array, towards: Array) -> Array:
+    """Unit vectors (n, 3) square to z, in the plane of z and `towards`, if they are not parallel."""
     x = towards - np.einsum("nc,nc->n", towards, z)[:, None] * z
     parallel = np.linalg.norm(x, axis=1) < 1e-7
     x[parallel] = np.cross(z[parallel], np.eye(3)[np.argmin(np.abs(z[parallel]), axis=1)])
     x /= np.linalg.norm(x, axis=1, keepdims=True)
+    return np.asarray(x)
+
+
+def local_frames(z: Array, towards: Array) -> Array:
+    """Frames (n, 3, 3) with columns x, y, z; x as `across` has it."""
+    z = z / np.linalg.norm(z, axis=1, keepdims=True)
+    x = across(z, towards)
     return np.stack([x, np.cross(z, x), z], axis=2)
 
 
@@ -181,7 +185,7 @@ def reflection(n: Array, v: Array) -> Array:
 def bisector(a: Array, b: Array) -> Array:
     """The unit vector between a and b: for R and V, the normal. Square to both if they are opposite."""
     half = 0.5 * angle_between(a, b)[:, None]
-    x = local_frames(b, a)[:, :, 0]
+    x = across(b, a)
     return np.asarray(np.cos(half) * b + np.sin(half) * x)
 
 
@@ -194,6 +198,6 @@ def above_horizon(center: str, n: Array, v: Array) -> tuple[Array, Array]:
     cosine = np.einsum("nc,nc->n", n, v)[:, None]
     if center == "reflection":
         return np.where(cosine < 0, -n, n), v
-    across = v - cosine * n
-    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
-    return n, np.ascontiguousarray(np.where(cosine < 0, across, v))
+    level = v - cosine * n
+    level /= np.maximum(np.linalg.norm(level, axis=1, keepdims=True), 1e-12)
+    return n, np.ascontiguousarray(np.where(cosine < 0, level, v))

@@ -45,9 +45,10 @@ def _padded(values: Array, axis: int) -> Array:
     return np.concatenate([values, last], axis=axis)
 
 
-# Octaves of z and the segments in each. The first hold 32 segments, which C++ keeps in registers.
+# Octaves of z and the segments in each. C++ keeps 32 segments in registers.
+HELD_SEGMENTS = 32
 HELD = ((8, 4), (4, 8), (16, 2))
-LOOKED_UP = ((8, 16), (8, 64), (16, 256))
+LOOKED_UP = ((8, 16), (8, 64), (16, 256), (16, 1024))
 
 # Relative to its largest value, what is less of a profile is 0.
 NOTHING = 1e-12
@@ -60,8 +61,9 @@ class RadialTable:
     Attributes
     ----------
     values : (C, 4, segments) float32
-        Coefficients of z^0 ... z^3. The segment of z is (bits of z as float32) >> shift modulo segments, a
-        power of two; the last is 0, and begins at the support.
+        Coefficients of z^0 ... z^3; if there are more than 32 segments, of x instead of z, which goes from 1
+        to 2 along each. The segment of z is (bits of z as float32) >> shift modulo segments, a power of two;
+        the last is 0, and begins at the support.
     shift : int
         Bits of z that do not tell the segment.
     scale : float
@@ -100,16 +102,17 @@ def radial_table(profile: Profile, tolerance: float) -> RadialTable:
     for octaves, each in (*HELD, *LOOKED_UP):
         if best is not None and (best.error <= WANTED_ERROR and (octaves, each) not in HELD):
             break
-        values, scale, error = _cubics(of_square, end, octaves, each)
+        values, scale = _cubics(of_square, end, octaves, each)
+        shift = 24 - each.bit_length()
+        error = _relative_rms(_radial_at(values, shift, scale, s**2), u, s[:, None])
         if best is None or error < best.error:
-            shift = 24 - each.bit_length()
             best = RadialTable(values, shift, scale, support, outer, width, error)
     assert best is not None
     return best
 
 
 def _support(of_square: Profile, s: Array, u: Array) -> float:
-    """sin^2(theta/2) beyond which a profile is nothing, by bisection; a little more than 1 if there is none."""
+    """sin^2(theta/2) beyond which a profile is nothing, by bisection; just above 1 if there is none."""
     least = NOTHING * float(np.abs(u).max())
     there = np.nonzero(np.any(np.abs(u) > least, axis=1))[0]
     k = int(there[-1]) if len(there) else 1
@@ -127,29 +130,33 @@ def _support(of_square: Profile, s: Array, u: Array) -> float:
 
 def _cubics(
     of_square: Profile, end: float, octaves: int, each: int
-) -> tuple[npt.NDArray[np.float32], float, float]:
-    """Coefficients (C, 4, segments), the scale, and their relative root mean square error."""
+) -> tuple[npt.NDArray[np.float32], float]:
+    """Coefficients (C, 4, segments) and the scale."""
     edges = (2.0 ** np.arange(octaves)[:, None] * (1 + np.arange(each) / each)).ravel()
     scale = (edges[-1] - 1) / end  # the last segment is 0
     low, high = edges[:-1, None], edges[1:, None]
-
-    def at(x: Array) -> tuple[Array, Array]:
-        z = 0.5 * (low + high) + 0.5 * (high - low) * x
-        q = np.clip((z - 1) / scale, 0, min(end, 1))
-        return z, of_square(q.ravel()).reshape(*z.shape, -1)
-
     # interpolation at Chebyshev's nodes
-    z, u = at(np.cos((np.arange(4) + 0.5) * np.pi / 4))
-    coefficients = np.linalg.solve(z[:, :, None] ** np.arange(4), u).astype(np.float32)
-    z, u = at(np.linspace(-0.95, 0.95, 12))
-    x = z.astype(np.float32)[:, :, None]
-    c = coefficients[:, :, None]
-    found = ((c[:, 3] * x + c[:, 2]) * x + c[:, 1]) * x + c[:, 0]
-    error = _relative_rms(found.astype(np.float64), u, (high - low)[:, :, None])
+    x = 1.5 + 0.5 * np.cos((np.arange(4) + 0.5) * np.pi / 4)
+    z = low + (high - low) * (x - 1)
+    q = np.clip((z - 1) / scale, 0, min(end, 1))
+    u = of_square(q.ravel()).reshape(*z.shape, -1)
+    variable = z if octaves * each == HELD_SEGMENTS else np.broadcast_to(x, z.shape)
+    coefficients = np.linalg.solve(variable[:, :, None] ** np.arange(4), u).astype(np.float32)
     table = np.zeros((octaves * each, *coefficients.shape[1:]), dtype=np.float32)
     # where the bits of a float point to: its exponent is 127 at z = 1
     table[(127 * each + np.arange(len(coefficients))) % len(table)] = coefficients
-    return np.ascontiguousarray(table.transpose(2, 1, 0)), float(scale), error
+    return np.ascontiguousarray(table.transpose(2, 1, 0)), float(scale)
+
+
+def _radial_at(values: npt.NDArray[np.float32], shift: int, scale: float, q: Array) -> Array:
+    """What the integrator computes, (n, C)."""
+    segments = values.shape[2]
+    last = ((127 << (23 - shift)) + segments - 1) << shift
+    z = (1 + scale * q).astype(np.float32)
+    bits = z.view(np.int32)
+    c = values[:, :, (np.minimum(bits, last) >> shift) % segments]
+    x = z if segments == HELD_SEGMENTS else ((bits << (23 - shift)) & 0x7FFFFF | 0x3F800000).view(np.float32)
+    return np.asarray((((c[:, 3] * x + c[:, 2]) * x + c[:, 1]) * x + c[:, 0]).T, dtype=np.float64)
 
 
 def _angle_within(s: Array, u: Array, left_out: float) -> float:

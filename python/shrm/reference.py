@@ -166,7 +166,8 @@ def prefilter_angular(
         Any object with `lobes`.
     tolerance : float
         Fraction of each lobe's integral that may be left out at its rim, in [0, 1): the sum visits only the
-        cap (about a tangent, the band) that holds the rest [RH02 appendix D]. 0 visits all.
+        cap (about a tangent, the band) that holds the rest [RH02 appendix D]. 0 visits all, but for texels
+        where a radial lobe is less than 1e-12 of its maximum.
     size : int, optional
         Rows of the maps for "latlong" (twice as many columns; default 128), or the edge of a face for "cube"
         (default 64).
@@ -180,9 +181,9 @@ def prefilter_angular(
         than a quarter of the narrowest lobe's width, at least 2; error about 1e-3 or less.
     symmetry : bool
         Whether lat-long maps of radial lobes are made by their symmetry about the axis: the weights of the
-        texels are found once for each row of the map and slid along it. False evaluates the angle and the lobe
-        for every pair of texels, as prefiltering did that [RH02] section 7.4 compares with. The maps are the
-        same.
+        texels are found once for each row of the map and slid along it. False evaluates the angle and the
+        lobe for every pair of texels, which is the prefiltering that [RH02] section 7.4 compares with. The
+        maps are the same.
 
     Returns
     -------
@@ -349,7 +350,7 @@ class AngularReflection:
         if k not in self._radial_maps:
             C = self._directions
             if self.layout == "latlong":
-                self._radial_maps[k] = part.map(self._picture, *C.shape[:2], self._symmetry)
+                self._radial_maps[k] = part.map(self._picture, C.shape[0], C.shape[1], self._symmetry)
             else:
                 flat = part.about(self._picture, np.ascontiguousarray(C.reshape(-1, 3)))
                 self._radial_maps[k] = flat.reshape(C.shape)
