@@ -291,7 +291,8 @@ def notes(found: dict[str, Any]) -> list[str]:
         f"Light and maps are {2 * size} x {size} lat-long, RGB; the paper's are 128 x 128. Times are"
         " processor time of one thread, the median of rounds in which all calls take turns; tables and memory"
         " are made before. Frequency: light to coefficients to radiance, `Prefilter.update` and `at_view`,"
-        f" {REPEATS} times to a measurement. In one shot: `prefilter` with the analysis of the material, nothing kept.",
+        f" {REPEATS} times to a measurement. In one shot: `prefilter` with the analysis of the material,"
+        " nothing kept.",
         f"Angular: one node for each texel within the lobe's width W, which leaves {EPSILON:.0%} of its"
         " integral out [RH02 section 7.4, appendix D]. (a) is the paper's kind: the angle and the lobe are"
         " evaluated for every pair of a pixel and a texel. (b) is the best we can write: they are evaluated"
@@ -306,8 +307,8 @@ def notes(found: dict[str, Any]) -> list[str]:
         f" {phong_costs.FLOPS_OF_WEIGHT + phong_costs.FLOPS_OF_SUM} for each sample of (a), the angle, a"
         f" cubic and three channels; {phong_costs.FLOPS_OF_SUM} for each of (b), and"
         f" {phong_costs.FLOPS_OF_WEIGHT} for each weight; in frequency space the products of the two"
-        " transforms, phi folded to a quarter. The peak is that of a float32 matrix product of BLAS in the same process,"
-        f" {found['peak'] / 1e9:.0f} Gflop/s.",
+        " transforms, phi folded to a quarter. The peak is that of a float32 matrix product of BLAS in the same"
+        f" process, {found['peak'] / 1e9:.0f} Gflop/s.",
         "s*, where both sides cost the same, is measured between the rows, some of which go past the paper's:"
         f" (a) {met_a}, (b) {met_b} at equal errors; {met_a_papers} and {met_b_papers} at the paper's F."
         " Where lobes are narrower than texels, one node for each is no longer accurate, and a small F does"
