@@ -307,8 +307,8 @@ def notes(found: dict[str, Any]) -> list[str]:
         f" {phong_costs.FLOPS_OF_WEIGHT + phong_costs.FLOPS_OF_SUM} for each sample of (a), the angle, a"
         f" cubic and three channels; {phong_costs.FLOPS_OF_SUM} for each of (b), and"
         f" {phong_costs.FLOPS_OF_WEIGHT} for each weight; in frequency space the products of the two"
-        " transforms, phi folded to a quarter. The peak is that of a float32 matrix product of BLAS in the same"
-        f" process, {found['peak'] / 1e9:.0f} Gflop/s.",
+        " transforms, phi folded to a quarter. The peak is that of a float32 matrix product of BLAS in the"
+        f" same process, {found['peak'] / 1e9:.0f} Gflop/s.",
         "s*, where both sides cost the same, is measured between the rows, some of which go past the paper's:"
         f" (a) {met_a}, (b) {met_b} at equal errors; {met_a_papers} and {met_b_papers} at the paper's F."
         " Where lobes are narrower than texels, one node for each is no longer accurate, and a small F does"
