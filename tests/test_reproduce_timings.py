@@ -75,9 +75,8 @@ def test_both_forms_of_integration_are_one(light: Environment) -> None:
     assert table_4.map_error(a, b) < 1e-5  # single precision
 
 
-def test_samples_fill_the_width_of_the_lobe() -> None:
-    # W [RH02 appendix D] of the sphere's area; texels crowd at the poles, but a centre at the equator has W
-    # of them, and all have together what the mean over centres gives: count against a sum over the pairs.
+def test_samples_are_the_pairs_within_the_width() -> None:
+    # Against all pairs of directions, and the width against W [RH02 appendix D].
     H, s = 12, 8
     within = phong_costs.outer_angle(s, 0.05)
     theta = (np.arange(H) + 0.5) * np.pi / H

@@ -20,7 +20,7 @@ def outer_angle(s: float, epsilon: float) -> float:
 
 
 def samples(H: int, within: float) -> int:
-    """Count the pairs of a centre on a lat-long grid of H rows and a texel of the same grid that near it."""
+    """Count the pairs of texels of an H x 2 H lat-long grid that lie `within` radians of each other."""
     W = 2 * H
     theta = (np.arange(H) + 0.5) * np.pi / H
     cos_phi = np.cos(2 * np.pi / W * np.arange(W))
