@@ -203,15 +203,28 @@ void integrators() {
             for (int subsamples : {1, 2}) {
                 const auto planes = random_values<float>(3 * size(H) * size(angular::row_length(W)));
                 const angular::Picture picture{planes, H, W, subsamples};
-                std::vector<float> out(axes.size() * 3), map(size(3 * 5 * 3));
+                std::vector<float> out(axes.size() * 3);
+                const std::vector<angular::Cap> caps(size(3), {0.2, 1.2});
 
-                const auto radial = random_values<float>(size(channels) * size(nodes + 2));
-                for (double outer : {0.3, shrm::pi}) {
-                    angular::integrate_radial(picture, {radial, channels, nodes}, {0, outer}, axes, out);
-                    angular::integrate_radial_map(picture, {radial, channels, nodes}, outer, 3, 5, map);
+                for (int segments : {32, 64}) {  // held in registers, looked up
+                    const auto values = random_values<float>(size(channels * 4 * segments));
+                    const angular::RadialProfile profile{values, channels, segments, 21, 100, 2.5};
+                    for (double outer : {0.3, shrm::pi}) {
+                        angular::integrate_radial(picture, profile, outer, axes, out);
+                        for (int map_W : {5, 8})
+                            for (bool symmetry : {false, true}) {
+                                std::vector<float> map(size(3 * map_W * 3));
+                                angular::integrate_radial_map(picture, profile, outer, 3, map_W, symmetry,
+                                                              map);
+                            }
+                    }
+                    if (channels == 3) continue;
+                    angular::integrate_half_angle(picture, profile, caps, axes, views, out);
+                    const std::vector<glm::dvec3> one_view(axes.size(), views[1]);
+                    angular::integrate_half_angle(picture, profile, caps, axes, one_view, out);
                 }
 
-                const auto zonal = random_values<float>(3 * radial.size());
+                const auto zonal = random_values<float>(size(3 * channels * (nodes + 2)));
                 const std::vector<angular::Band> bands{{0, 1}, {0.5, 2}, {0, shrm::pi}};
                 const std::vector<double> theta_o{0, 0.1, 0.7, 1.2, 1.6, 2, 2.5, 3, shrm::pi};
                 angular::integrate_zonal(picture, {zonal, bands, 3, channels, nodes}, axes, theta_o, out);
@@ -219,7 +232,6 @@ void integrators() {
                 const auto envelope = random_values<float>(size(nodes + 2));
                 const auto ratio =
                     random_values<float>(size(3) * size(channels) * size((nodes + 2) * (nodes + 2)));
-                const std::vector<angular::IsotropicTable::Cap> caps(size(3), {0.2, 1.2});
                 angular::integrate_isotropic(
                     picture, {envelope, ratio, caps, channels, nodes, 2, nodes, nodes}, axes, views, out);
             }

@@ -14,7 +14,7 @@ import numpy as np
 import oracles
 import pytest
 from numpy.testing import assert_allclose
-from shrm.reference import prefilter_angular
+from shrm.reference import integrate, prefilter_angular
 
 SINGLE = 5e-6
 
@@ -218,6 +218,76 @@ def test_a_map_is_the_integral_at_its_texels(lobe, map_size, tolerance):
     # With V = N = C every centre is C.
     direct = result.radiance(C, C)
     assert oracles.relative_rms(result.at_view([0, 0, 1]).reshape(-1, 3), direct) < 1e-6
+
+
+@pytest.mark.parametrize("k", [1, 2])
+@pytest.mark.parametrize("tolerance", [0.0, 0.05])
+@pytest.mark.parametrize(
+    ("lobe", "size"), [(phong(8), 24), (phong(512), 48), (lambert([0.1, 0.5, 1]), 12), (phong(60), 36)]
+)
+def test_symmetry_only_saves_work(lobe, size, tolerance, k):
+    # Columns of the map and of the picture 48 wide: as many, twice, half and 3/2 as many.
+    env, options = environment(noise(24, 48)), {"size": size, "tolerance": tolerance, "subsamples": k}
+    by_symmetry, every_pair = (
+        prefilter_angular(env, material(lobe), symmetry=s, **options).at_view([0, 0, 1])
+        for s in (True, False)
+    )
+    assert_allclose(by_symmetry, every_pair, rtol=0, atol=2e-6 * every_pair.max())
+
+
+def test_a_map_of_every_pair_is_the_sum():
+    env = environment(noise(24, 48))
+    C = oracles.directions(8, 16).reshape(-1, 3)
+    lobe = phong(40)
+    for symmetry in (True, False):
+        result = prefilter_angular(env, material(lobe), size=8, subsamples=1, symmetry=symmetry)
+        found = result.at_view([0, 0, 1]).reshape(-1, 3)
+        expected = integrate(env, material(lobe), C, C)
+        assert oracles.relative_rms(found, expected) < 2 * result.error + SINGLE
+
+
+def test_a_lobe_that_is_everywhere_sees_everything():
+    # Equal weights: the mean of the picture, the texel opposite to the centre included.
+    pixels = noise(16, 32)
+    lobe = SimpleNamespace(center="normal", profile=lambda c: np.full_like(c, 1 / (4 * np.pi)))
+    C = np.concatenate([oracles.directions(16, 32).reshape(-1, 3), -oracles.directions(16, 32)[3]])
+    mean = (oracles.solid_angles(16, 32)[..., None] * pixels).sum(axis=(0, 1)) / (4 * np.pi)
+    for k in (1, 2):
+        result = prefilter_angular(environment(pixels), material(lobe), subsamples=k)
+        assert_allclose(result.radiance(C, C), np.broadcast_to(mean, C.shape), rtol=3e-6)
+
+
+@pytest.mark.parametrize("k", [1, 2])
+def test_profiles_of_many_scales_are_as_exact(k):
+    # A needle in a wide lobe has more segments than registers hold.
+    def profile(c):
+        return np.maximum(c, 0) ** 2 + 300 * np.maximum(c, 0) ** 3e5
+
+    def transfer(wi, wo):
+        return profile(wi @ np.array([0.0, 0.0, 1.0]))
+
+    pixels = noise(32, 64)
+    normals, views = oracles.random_views(32, seed=1)
+    lobe = radial(transfer, profile, "normal")
+    result = prefilter_angular(environment(pixels), material(lobe), subsamples=k)
+    assert result._parts[0]._table["profile"].shape[-1] > 32
+    expected = oracles.reflected(pixels, transfer, normals, views, hemisphere=False, subsamples=k)
+    assert oracles.relative_rms(result.radiance(normals, views), expected) < 2 * result.error + SINGLE
+
+
+@pytest.mark.parametrize("k", [1, 2, 3])
+@pytest.mark.parametrize("sigma", [0.05, 0.3, 1.0])
+def test_lobes_of_the_half_angle_alone(sigma, k):
+    # One view for all, shared half vectors: down to the horizon, and some of the normals turned away.
+    env, transfer = environment(noise(24, 48)), oracles.microfacet(sigma)
+    m = material(isotropic(transfer, "reflection"))
+    normals, _ = oracles.random_views(60, seed=11)
+    view = np.array([0.48, 0.6, 0.64])
+    result = prefilter_angular(env, m, subsamples=k)
+    expected = integrate(env, m, normals, view, subsamples=k)
+    assert oracles.relative_rms(result.radiance(normals, view), expected) < 2 * result.error + SINGLE
+    one = np.concatenate([result.radiance(n[None], view) for n in normals[:5]])
+    assert_allclose(one, result.radiance(normals, view)[:5], rtol=1e-5)
 
 
 def test_turning_everything_about_the_axis_changes_nothing():

@@ -63,7 +63,10 @@ CPP_ORDER = [
     ["view_map"],
     ["explicit_maps"],
     ["cube_synthesis"],
-    ["angular", "angular_texels"],
+    ["angular"],
+    ["angular_lanes"],
+    ["angular_profile", "angular_texels", "angular_caps", "angular_queries"],
+    ["angular_radial", "angular_half_angle", "angular_zonal", "angular_isotropic"],
     ["hierarchical"],
     ["transfer"],
     ["directional_basis"],
@@ -89,7 +92,7 @@ PYTHON_NEUTRAL = {
     "lobe_quadrature",
     "central_direction",
 }
-CPP_JUDGES = {"angular", "angular_texels", "hierarchical"}
+CPP_JUDGES = {part for stage in CPP_ORDER for part in stage if part.startswith("angular")} | {"hierarchical"}
 CPP_NEUTRAL = {"core", "simd", "quadrature", "layouts", "grid"}
 
 # Each wraps its part of the core.

@@ -221,6 +221,7 @@ def test_bad_queries_are_refused_by_name(changed, error, text):
         ({"layout": "octahedral"}, ValueError, "layout must be one of latlong, cube, got 'octahedral'"),
         ({"center": "tangent"}, ValueError, "center must be one of lobe, reflection, normal, got 'tangent'"),
         ({"subsamples": 0}, ValueError, r"subsamples must be in \[1, 16\]"),
+        ({"symmetry": 1}, TypeError, "symmetry must be True or False, got 1"),
     ],
 )
 def test_bad_options_are_refused_by_name(changed, error, text):

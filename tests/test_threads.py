@@ -29,6 +29,12 @@ for layout in ("latlong", "cube"):
     results[layout + " radiance"] = rm.radiance(N, V)
 results["local"] = rm.parts[1].local_maps(16)
 results["angular"] = prefilter_angular(env, material, tolerance=0.01).radiance(N[:20], V[:20])
+for symmetry in (True, False):
+    lobe = brdf.Phong(32)
+    maps = prefilter_angular(env, lobe, tolerance=0.05, size=24, subsamples=1, symmetry=symmetry)
+    results[f"angular map {symmetry}"] = maps.at_view([0, 0, 1])
+facets = prefilter_angular(env, brdf.Microfacet(0.2), tolerance=0.05, size=16, subsamples=1)
+results["half-angle map"] = facets.at_view([0.6, 0, 0.8])
 np.savez(sys.argv[1], **results)
 """
 

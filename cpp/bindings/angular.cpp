@@ -36,37 +36,68 @@ void require_channels(int channels) {
         throw py::value_error("a table has 1 or 3 channels, not " + std::to_string(channels));
 }
 
-angular::RadialProfile profile_of(const Array<float>& profile) {
-    require_shape(profile, "profile", {any, any});
+angular::RadialProfile profile_of(const Array<float>& profile, int shift, double scale, double support) {
+    require_shape(profile, "profile", {any, 4, any});
     require_channels(extent(profile, 0));
-    if (extent(profile, 1) < 3) throw py::value_error("profile needs at least 3 nodes");
-    return {view(profile), extent(profile, 0), extent(profile, 1) - 2};
+    const int segments = extent(profile, 2);
+    if (shift < 0 || shift > 22 || segments < 32 || (segments & (segments - 1)) != 0)
+        throw py::value_error(
+            "profile needs a power of two of segments, at least 32, and a shift in [0, 22]");
+    if (segments >> (23 - shift) > 100) throw py::value_error("profile covers more octaves than a float has");
+    if (!(scale > 0) || !(support > 0)) throw py::value_error("scale and support must be positive");
+    return {view(profile), extent(profile, 0), segments, shift, scale, support};
 }
 
-Array<float> radial(const Array<float>& planes, int subsamples, const Array<float>& profile, double outer,
-                    const Array<double>& centres) {
+Array<float> radial(const Array<float>& planes, int subsamples, const Array<float>& profile, int shift,
+                    double scale, double support, double outer, const Array<double>& centres) {
     const auto picture = picture_of(planes, subsamples);
-    const auto table = profile_of(profile);
+    const auto table = profile_of(profile, shift, scale, support);
     const auto axes = directions(centres, "centres");
     Array<float> out = allocate<float>({centres.shape(0), 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
     {
         const py::gil_scoped_release release;
-        angular::integrate_radial(picture, table, {0, outer}, axes, result);
+        angular::integrate_radial(picture, table, outer, axes, result);
     }
     return out;
 }
 
-Array<float> radial_map(const Array<float>& planes, int subsamples, const Array<float>& profile, double outer,
-                        int height, int width) {
+Array<float> radial_map(const Array<float>& planes, int subsamples, const Array<float>& profile, int shift,
+                        double scale, double support, double outer, int height, int width, bool symmetry) {
     const auto picture = picture_of(planes, subsamples);
-    const auto table = profile_of(profile);
+    const auto table = profile_of(profile, shift, scale, support);
     if (height < 1 || width < 1) throw py::value_error("a map needs at least one row and one column");
     Array<float> out = allocate<float>({height, width, 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
     {
         const py::gil_scoped_release release;
-        angular::integrate_radial_map(picture, table, outer, height, width, result);
+        angular::integrate_radial_map(picture, table, outer, height, width, symmetry, result);
+    }
+    return out;
+}
+
+std::vector<angular::Cap> caps_of(const Array<double>& caps) {
+    std::vector<angular::Cap> result;
+    for (py::ssize_t k = 0; k < caps.shape(0); ++k) result.push_back({caps.at(k, 0), caps.at(k, 1)});
+    return result;
+}
+
+Array<float> half_angle(const Array<float>& planes, int subsamples, const Array<float>& profile, int shift,
+                        double scale, double support, const Array<double>& caps, const Array<double>& normals,
+                        const Array<double>& views) {
+    const auto picture = picture_of(planes, subsamples);
+    const auto table = profile_of(profile, shift, scale, support);
+    if (table.channels != 1) throw py::value_error("a half-angle profile has 1 channel");
+    require_shape(caps, "caps", {any, 2});
+    if (extent(caps, 0) < 2) throw py::value_error("caps needs at least 2 view nodes");
+    const auto n = directions(normals, "normals"), v = directions(views, "views");
+    require_shape(views, "views", {normals.shape(0), 3});
+    const auto ranges = caps_of(caps);
+    Array<float> out = allocate<float>({normals.shape(0), 3});
+    const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
+    {
+        const py::gil_scoped_release release;
+        angular::integrate_half_angle(picture, table, ranges, n, v, result);
     }
     return out;
 }
@@ -106,8 +137,7 @@ Array<float> isotropic(const Array<float>& planes, int subsamples, const Array<f
         throw py::value_error("envelope and ratio need at least one interval along each axis");
     const auto n = directions(normals, "normals"), v = directions(views, "views");
     require_shape(views, "views", {normals.shape(0), 3});
-    std::vector<angular::IsotropicTable::Cap> ranges;
-    for (py::ssize_t k = 0; k < caps.shape(0); ++k) ranges.push_back({caps.at(k, 0), caps.at(k, 1)});
+    const auto ranges = caps_of(caps);
     const angular::IsotropicTable table = {view(envelope),
                                            view(ratio),
                                            ranges,
@@ -130,10 +160,16 @@ Array<float> isotropic(const Array<float>& planes, int subsamples, const Array<f
 void bind_angular(py::module_& module) {
     module.attr("ANGULAR_LANES") = angular::lanes;
     module.def("angular_radial", radial, py::kw_only(), py::arg("planes").noconvert(), py::arg("subsamples"),
-               py::arg("profile").noconvert(), py::arg("outer"), py::arg("centres").noconvert());
+               py::arg("profile").noconvert(), py::arg("shift"), py::arg("scale"), py::arg("support"),
+               py::arg("outer"), py::arg("centres").noconvert());
     module.def("angular_radial_map", radial_map, py::kw_only(), py::arg("planes").noconvert(),
-               py::arg("subsamples"), py::arg("profile").noconvert(), py::arg("outer"), py::arg("height"),
-               py::arg("width"));
+               py::arg("subsamples"), py::arg("profile").noconvert(), py::arg("shift"), py::arg("scale"),
+               py::arg("support"), py::arg("outer"), py::arg("height"), py::arg("width"),
+               py::arg("symmetry"));
+    module.def("angular_half_angle", half_angle, py::kw_only(), py::arg("planes").noconvert(),
+               py::arg("subsamples"), py::arg("profile").noconvert(), py::arg("shift"), py::arg("scale"),
+               py::arg("support"), py::arg("caps").noconvert(), py::arg("normals").noconvert(),
+               py::arg("views").noconvert());
     module.def("angular_zonal", zonal, py::kw_only(), py::arg("planes").noconvert(), py::arg("subsamples"),
                py::arg("profiles").noconvert(), py::arg("bands").noconvert(), py::arg("axes").noconvert(),
                py::arg("theta_o").noconvert());

@@ -69,8 +69,13 @@
 //   brdf_analysis   the transfer function's coefficients rho_lpq
 //   reflection_map  the spherical harmonic reflection map: its coefficients and its maps
 //   radiance        looking a reflection map up: per pixel, or for one view
-//   angular         direct integration over lobes; shares no code with sh, to judge it
-//   angular_texels  the nodes of a picture's texels, and which of them a lobe visits
+//   angular         direct integration over lobes; shares no code with sh, to judge it. Its parts:
+//                   texels   the nodes of a picture's texels, and which of them a lobe visits
+//                   lanes    vectors of the instruction set, and sums in them
+//                   profile  a radial profile in lanes, and the innermost loops
+//                   caps     what a lobe that is cut at the horizon visits
+//                   queries  planes of the picture; threads
+//                   radial, half_angle, zonal, isotropic   the kinds of lobe
 #pragma once
 
 #include <cstddef>

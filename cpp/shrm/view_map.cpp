@@ -78,15 +78,16 @@ void view_map(const ReflectionMapView& map, std::span<const Stored> rings, const
     float of_view[basis_size(largest_P)];
     real_harmonics(map.P, view, Y);
     for (std::size_t z = 0; z < basis_size(map.P); ++z) of_view[z] = static_cast<float>(Y[z]);
+    const bool by_texel = map.zonal && map.P > 0;  // Y_00 is the same for all
 #pragma omp parallel
     {
-        std::vector<float> of_texels(map.zonal ? size(map.maps()) * size(shown.columns) : 0);
+        std::vector<float> of_texels(by_texel ? size(map.maps()) * size(shown.columns) : 0);
 #pragma omp for schedule(static)
         for (int i = 0; i < shown.rows; ++i) {
             const int row = shown.row(i);
             const Stored* from = &rings[size(row) * ring] + shown.border;
             float* to = &pixels[size(i) * size(shown.columns) * 3];
-            if (!map.zonal) {
+            if (!by_texel) {
                 view_row<false>(from, map.W, map.maps(), shown.columns, {of_view, 0}, to);
                 continue;
             }

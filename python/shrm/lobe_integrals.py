@@ -65,15 +65,17 @@ class RadialIntegral:
         table = lobe_tables.radial_table(profile, tolerance)
         self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
         self.width, self.error = table.width, table.error
-        self._table: dict[str, Any] = {"profile": table.values, "outer": table.outer}
+        self._table: dict[str, Any] = {**profile_arguments(table), "outer": table.outer}
 
     def about(self, picture: dict[str, Any], centers: Array) -> Radiance:
         """Radiance (n, 3) for centres (n, 3)."""
         return np.asarray(_core.angular_radial(**picture, **self._table, centres=centers))
 
-    def map(self, picture: dict[str, Any], height: int, width: int) -> Radiance:
-        """Radiance (height, width, 3) for centres on a lat-long grid, the kernel slid along each row."""
-        return np.asarray(_core.angular_radial_map(**picture, **self._table, height=height, width=width))
+    def map(self, picture: dict[str, Any], height: int, width: int, symmetry: bool) -> Radiance:
+        """Radiance (height, width, 3) for centres on a lat-long grid, by symmetry about its axis or not."""
+        return np.asarray(
+            _core.angular_radial_map(**picture, **self._table, height=height, width=width, symmetry=symmetry)
+        )
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
         """Reflected radiance; see `LobeIntegral`."""
@@ -82,6 +84,16 @@ class RadialIntegral:
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeIntegral`."""
         return centers if self.center == "normal" else bisector(centers, v)
+
+
+def profile_arguments(table: lobe_tables.RadialTable) -> dict[str, Any]:
+    """A radial table as the core takes it."""
+    return {
+        "profile": table.values,
+        "shift": table.shift,
+        "scale": table.scale,
+        "support": table.support,
+    }
 
 
 class ZonalIntegral:
@@ -107,16 +119,24 @@ class IsotropicIntegral:
     """Any other lobe, cut at the horizon of N."""
 
     def __init__(self, center: str, transfer: Callable[[Array, Array], Array], tolerance: float):
-        table = lobe_tables.isotropic_table(transfer, tolerance)
         self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+        half_angle = lobe_tables.half_angle_table(transfer, tolerance)
+        table = half_angle or lobe_tables.isotropic_table(transfer, tolerance)
         self.width, self.error = table.width, table.error
-        self._table: dict[str, Any] = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
+        self._integrate: Callable[..., Any]
+        self._table: dict[str, Any]
+        if isinstance(table, lobe_tables.HalfAngleTable):
+            self._integrate = _core.angular_half_angle
+            self._table = {**profile_arguments(table.radial), "caps": table.caps}
+        else:
+            self._integrate = _core.angular_isotropic
+            self._table = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
         self._transfer = transfer
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
         """Reflected radiance; see `LobeIntegral`."""
         n, v = above_horizon(self.center, n, v)
-        return np.asarray(_core.angular_isotropic(**picture, **self._table, normals=n, views=v))
+        return np.asarray(self._integrate(**picture, **self._table, normals=n, views=v))
 
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeIntegral`."""
@@ -129,20 +149,26 @@ class IsotropicIntegral:
         theta_v = np.linspace(0, np.pi / 2, len(gamma))
         theta_o = np.maximum.accumulate(theta_v + gamma)
         angle = np.interp(angle_between(centers, v), theta_o, theta_v)
-        x = local_frames(v, centers)[:, :, 0]
+        x = across(v, centers)
         return np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * x
 
 
 # ---- Directions
 
 
-def local_frames(z: Array, towards: Array) -> Array:
-    """Frames (n, 3, 3) with columns x, y, z; x in the plane of z and `towards`, if they are not parallel."""
-    z = z / np.linalg.norm(z, axis=1, keepdims=True)
+def across(z: Array, towards: Array) -> Array:
+    """Unit vectors (n, 3) square to z, in the plane of z and `towards`, if they are not parallel."""
     x = towards - np.einsum("nc,nc->n", towards, z)[:, None] * z
     parallel = np.linalg.norm(x, axis=1) < 1e-7
     x[parallel] = np.cross(z[parallel], np.eye(3)[np.argmin(np.abs(z[parallel]), axis=1)])
     x /= np.linalg.norm(x, axis=1, keepdims=True)
+    return np.asarray(x)
+
+
+def local_frames(z: Array, towards: Array) -> Array:
+    """Frames (n, 3, 3) with columns x, y, z; x as `across` has it."""
+    z = z / np.linalg.norm(z, axis=1, keepdims=True)
+    x = across(z, towards)
     return np.stack([x, np.cross(z, x), z], axis=2)
 
 
@@ -159,7 +185,7 @@ def reflection(n: Array, v: Array) -> Array:
 def bisector(a: Array, b: Array) -> Array:
     """The unit vector between a and b: for R and V, the normal. Square to both if they are opposite."""
     half = 0.5 * angle_between(a, b)[:, None]
-    x = local_frames(b, a)[:, :, 0]
+    x = across(b, a)
     return np.asarray(np.cos(half) * b + np.sin(half) * x)
 
 
@@ -172,6 +198,6 @@ def above_horizon(center: str, n: Array, v: Array) -> tuple[Array, Array]:
     cosine = np.einsum("nc,nc->n", n, v)[:, None]
     if center == "reflection":
         return np.where(cosine < 0, -n, n), v
-    across = v - cosine * n
-    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
-    return n, np.ascontiguousarray(np.where(cosine < 0, across, v))
+    level = v - cosine * n
+    level /= np.maximum(np.linalg.norm(level, axis=1, keepdims=True), 1e-12)
+    return n, np.ascontiguousarray(np.where(cosine < 0, level, v))

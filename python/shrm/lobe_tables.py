@@ -1,8 +1,8 @@
 """Tables of lobes for direct integration, and how wide a lobe is.
 
 The C++ integrator sees a BRDF only through these tables. Each is in coordinates in which the function is
-smooth: a radial profile over sin(theta/2); an isotropic lobe as E(theta_h) times a ratio on the box of
-(view, light, azimuth), whose edge is the horizon. Each knows its own interpolation error.
+smooth: a radial profile over the logarithm of sin^2(theta/2); an isotropic lobe as E(theta_h) times a ratio
+on the box of (view, light, azimuth), whose edge is the horizon. Each knows its own interpolation error.
 
 The angular width of a lobe follows Ramamoorthi & Hanrahan, "Frequency Space Environment Map Rendering", ACM
 TOG 21(3), 2002 ([RH02]), appendix D: the integral of rho_hat, not of its square.
@@ -24,7 +24,7 @@ Transfer = Callable[[Array, Array], Array]
 
 # Tables grow until their error is below this, or they are as large as a cache.
 WANTED_ERROR = 1e-5
-RADIAL_INTERVALS = (2048, 4096, 8192, 16384, 32768)
+RADIAL_NODES = 65536
 ZONAL_ROWS, ZONAL_INTERVALS = 1025, 1024
 ENVELOPE_INTERVALS = 4096
 VIEW_INTERVALS, LIGHT_INTERVALS, AZIMUTH_INTERVALS = 96, 128, 128
@@ -45,24 +45,43 @@ def _padded(values: Array, axis: int) -> Array:
     return np.concatenate([values, last], axis=axis)
 
 
+# Octaves of z and the segments in each. C++ keeps 32 segments in registers.
+HELD_SEGMENTS = 32
+HELD = ((8, 4), (4, 8), (16, 2))
+LOOKED_UP = ((8, 16), (8, 64), (16, 256), (16, 1024))
+
+# Relative to its largest value, what is less of a profile is 0.
+NOTHING = 1e-12
+
+
 @dataclass(frozen=True)
 class RadialTable:
-    """u(theta) over s = sin(theta/2).
+    """u(theta) as cubics of z = 1 + scale sin^2(theta/2), segments equally many to each octave of z.
 
     Attributes
     ----------
-    values : (C, intervals + 2) float32
-        Node k at s = k / intervals, the last one repeated.
+    values : (C, 4, segments) float32
+        Coefficients of z^0 ... z^3; if there are more than 32 segments, of x instead of z, which goes from 1
+        to 2 along each. The segment of z is (bits of z as float32) >> shift modulo segments, a power of two;
+        the last is 0, and begins at the support.
+    shift : int
+        Bits of z that do not tell the segment.
+    scale : float
+        Of z.
+    support : float
+        Angle beyond which u is 0.
     outer : float
         Angle within which all but the tolerance of the integral of |u| lies, pi for tolerance 0.
     width : float
         Angle within which half of it lies.
     error : float
-        Relative root mean square interpolation error over the sphere, taken where it is largest: midway
-        between nodes.
+        Relative root mean square error over the sphere, of cubics evaluated in float32.
     """
 
     values: npt.NDArray[np.float32]
+    shift: int
+    scale: float
+    support: float
     outer: float
     width: float
     error: float
@@ -70,21 +89,74 @@ class RadialTable:
 
 def radial_table(profile: Profile, tolerance: float) -> RadialTable:
     """Tabulate a profile of cos(theta)."""
-    for intervals in RADIAL_INTERVALS:
-        s = np.arange(2 * intervals + 1) / (2 * intervals)
-        u = _channels_last(profile(1 - 2 * s**2))
-        linear = 0.5 * (u[:-1:2] + u[2::2])
-        error = _relative_rms(linear, u[1::2], s[1::2, None])
-        if error <= WANTED_ERROR:
-            break
+
+    def of_square(q: Array) -> Array:  # q = sin^2(theta/2)
+        return _channels_last(profile(1 - 2 * q))
+
+    s = np.arange(RADIAL_NODES + 1) / RADIAL_NODES
+    u = of_square(s**2)
     outer, width = (np.pi if part == 0 else _angle_within(s, u, part) for part in (tolerance, 0.5))
-    # A chord lies off its arc by 2/3 of its distance in the middle, on average: shift the nodes by that, so
-    # that errors cancel in sums.
-    nodes, off = u[::2], (linear - u[1::2]) / 3
-    nodes[1:] -= off
-    nodes[:-1] -= off
-    values = np.ascontiguousarray(_padded(nodes.T, axis=1).astype(np.float32))
-    return RadialTable(values, outer, width, error)
+    end = _support(of_square, s, u)
+    support = float(np.pi) if end > 1 else float(2 * np.arcsin(np.sqrt(end)))
+    best: RadialTable | None = None
+    for octaves, each in (*HELD, *LOOKED_UP):
+        if best is not None and (best.error <= WANTED_ERROR and (octaves, each) not in HELD):
+            break
+        values, scale = _cubics(of_square, end, octaves, each)
+        shift = 24 - each.bit_length()
+        error = _relative_rms(_radial_at(values, shift, scale, s**2), u, s[:, None])
+        if best is None or error < best.error:
+            best = RadialTable(values, shift, scale, support, outer, width, error)
+    assert best is not None
+    return best
+
+
+def _support(of_square: Profile, s: Array, u: Array) -> float:
+    """sin^2(theta/2) beyond which a profile is nothing, by bisection; just above 1 if there is none."""
+    least = NOTHING * float(np.abs(u).max())
+    there = np.nonzero(np.any(np.abs(u) > least, axis=1))[0]
+    k = int(there[-1]) if len(there) else 1
+    if k == len(s) - 1:
+        return 1 + 1e-5
+    low, high = s[k] ** 2, s[k + 1] ** 2
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        if np.any(np.abs(of_square(np.array([middle]))) > least):
+            low = middle
+        else:
+            high = middle
+    return float(high)
+
+
+def _cubics(
+    of_square: Profile, end: float, octaves: int, each: int
+) -> tuple[npt.NDArray[np.float32], float]:
+    """Coefficients (C, 4, segments) and the scale."""
+    edges = (2.0 ** np.arange(octaves)[:, None] * (1 + np.arange(each) / each)).ravel()
+    scale = (edges[-1] - 1) / end  # the last segment is 0
+    low, high = edges[:-1, None], edges[1:, None]
+    # interpolation at Chebyshev's nodes
+    x = 1.5 + 0.5 * np.cos((np.arange(4) + 0.5) * np.pi / 4)
+    z = low + (high - low) * (x - 1)
+    q = np.clip((z - 1) / scale, 0, min(end, 1))
+    u = of_square(q.ravel()).reshape(*z.shape, -1)
+    variable = z if octaves * each == HELD_SEGMENTS else np.broadcast_to(x, z.shape)
+    coefficients = np.linalg.solve(variable[:, :, None] ** np.arange(4), u).astype(np.float32)
+    table = np.zeros((octaves * each, *coefficients.shape[1:]), dtype=np.float32)
+    # where the bits of a float point to: its exponent is 127 at z = 1
+    table[(127 * each + np.arange(len(coefficients))) % len(table)] = coefficients
+    return np.ascontiguousarray(table.transpose(2, 1, 0)), float(scale)
+
+
+def _radial_at(values: npt.NDArray[np.float32], shift: int, scale: float, q: Array) -> Array:
+    """What the integrator computes, (n, C)."""
+    segments = values.shape[2]
+    last = ((127 << (23 - shift)) + segments - 1) << shift
+    z = (1 + scale * q).astype(np.float32)
+    bits = z.view(np.int32)
+    c = values[:, :, (np.minimum(bits, last) >> shift) % segments]
+    x = z if segments == HELD_SEGMENTS else ((bits << (23 - shift)) & 0x7FFFFF | 0x3F800000).view(np.float32)
+    return np.asarray((((c[:, 3] * x + c[:, 2]) * x + c[:, 1]) * x + c[:, 0]).T, dtype=np.float64)
 
 
 def _angle_within(s: Array, u: Array, left_out: float) -> float:
@@ -104,7 +176,8 @@ class ZonalTable:
     Attributes
     ----------
     values : (rows, C, intervals + 2) float32
-        Rows at theta_o = k pi / (rows - 1); each as the values of a `RadialTable` in theta_i.
+        Rows at theta_o = k pi / (rows - 1); each over s = sin(theta_i/2), node k at s = k / intervals, the
+        last one repeated.
     bands : (rows, 2) float64
         Smallest and largest theta_i of the smallest band that holds all but the tolerance.
     width : float
@@ -157,6 +230,51 @@ def _smallest_band(s: Array, u: Array, left_out: float) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
+class HalfAngleTable:
+    """rho_hat = u(theta_h) where N.L > 0, theta_h the angle between N and the half vector.
+
+    Attributes
+    ----------
+    radial : RadialTable
+        u, one channel.
+    caps : (views, 2) float64
+        As those of an `IsotropicTable`.
+    width, error : float
+        As those of an `IsotropicTable`.
+    """
+
+    radial: RadialTable
+    caps: Array
+    width: float
+    error: float
+
+
+def half_angle_table(transfer: Transfer, tolerance: float) -> HalfAngleTable | None:
+    """Tabulate a lobe in the frame of its normal, if it depends on the half angle alone [RH02 eq. 11]."""
+
+    def alone(cosine: Array) -> Array:  # light and view both along H
+        cosine = np.asarray(cosine, dtype=np.float64)
+        z = np.maximum(cosine, HORIZON)
+        h = np.stack([np.sqrt(1 - np.minimum(z, 1) ** 2), np.zeros_like(z), z], axis=-1)
+        return np.where(cosine >= 0, transfer(h, h), 0.0)
+
+    for cos_v in np.cos(view_nodes()[::8]):
+        wi, _ = light_quadrature(cos_v)
+        view = _view(cos_v, len(wi))
+        value = np.asarray(transfer(wi, view))
+        if value.ndim > 1:
+            return None
+        h = wi + view
+        u = alone(h[:, 2] / np.linalg.norm(h, axis=1))
+        if np.abs(value - u).max() > 1e-7 * np.abs(u).max():
+            return None
+    caps = np.array([_cap_at(transfer, cos_v, tolerance) for cos_v in np.cos(view_nodes())])
+    radial = radial_table(alone, 0.0)
+    width = _cap_at(transfer, np.sqrt(0.5), 0.5)[1]
+    return HalfAngleTable(radial, caps, width, radial.error)
+
+
+@dataclass(frozen=True)
 class IsotropicTable:
     """rho_hat(view, light) = E(theta_h) * ratio, exactly zero for N.L <= 0.
 
@@ -192,9 +310,7 @@ def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
         rho = _channels_last(transfer(light, _view(cos_v, len(light))))
         plane = rho / _envelope_at(envelope, light, _view(cos_v, len(light)))[:, None]
         planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))
-        wi, weight = light_quadrature(cos_v)
-        value = _channels_last(transfer(wi, _view(cos_v, len(wi))))
-        caps.append(_cap(wi, weight * np.abs(value).sum(axis=1), tolerance))
+        caps.append(_cap_at(transfer, cos_v, tolerance))
     ratio = _padded(_padded(np.array(planes), axis=2), axis=3)
     table = IsotropicTable(
         envelope=_padded(envelope, axis=0).astype(np.float32),
@@ -203,9 +319,7 @@ def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
         width=0.0,
         error=0.0,
     )
-    wi, weight = light_quadrature(np.sqrt(0.5))
-    value = _channels_last(transfer(wi, _view(np.sqrt(0.5), len(wi))))
-    width = _cap(wi, weight * np.abs(value).sum(axis=1), 0.5)[1]
+    width = _cap_at(transfer, np.sqrt(0.5), 0.5)[1]
     return replace(table, width=width, error=_isotropic_error(table, transfer))
 
 
@@ -295,7 +409,10 @@ def _mean_angle(wi: Array, energy: Array) -> float:
     return float(np.arctan2(-x, z)) if x != 0 or z != 0 else float("nan")
 
 
-def _cap(wi: Array, energy: Array, left_out: float) -> tuple[float, float]:
+def _cap_at(transfer: Transfer, cos_v: float, left_out: float) -> tuple[float, float]:
+    """Of a view, the lobe's centre and the angle about it that holds all but a part of its integral."""
+    wi, weight = light_quadrature(cos_v)
+    energy = weight * np.abs(_channels_last(transfer(wi, _view(cos_v, len(wi))))).sum(axis=1)
     centre = _mean_angle(wi, energy)
     if left_out == 0 or not energy.sum() > 0:
         return 0.0, float(np.pi)

@@ -152,6 +152,7 @@ def prefilter_angular(
     layout: str = "latlong",
     center: str | None = None,
     subsamples: int | None = None,
+    symmetry: bool = True,
 ) -> AngularReflection:
     """Prepare direct integration of an environment under a material.
 
@@ -165,7 +166,8 @@ def prefilter_angular(
         Any object with `lobes`.
     tolerance : float
         Fraction of each lobe's integral that may be left out at its rim, in [0, 1): the sum visits only the
-        cap (about a tangent, the band) that holds the rest [RH02 appendix D]. 0 visits all.
+        cap (about a tangent, the band) that holds the rest [RH02 appendix D]. 0 visits all, but for texels
+        where a radial lobe is less than 1e-12 of its maximum.
     size : int, optional
         Rows of the maps for "latlong" (twice as many columns; default 128), or the edge of a face for "cube"
         (default 64).
@@ -177,6 +179,11 @@ def prefilter_angular(
     subsamples : int, optional
         Each texel is sampled by subsamples^2 Gauss nodes, in [1, 16]. Default: as many as put nodes closer
         than a quarter of the narrowest lobe's width, at least 2; error about 1e-3 or less.
+    symmetry : bool
+        Whether lat-long maps of radial lobes are made by their symmetry about the axis: the weights of the
+        texels are found once for each row of the map and slid along it. False evaluates the angle and the
+        lobe for every pair of texels, which is the prefiltering that [RH02] section 7.4 compares with. The
+        maps are the same.
 
     Returns
     -------
@@ -195,10 +202,12 @@ def prefilter_angular(
     edge = _DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
     if subsamples is not None:
         subsamples = whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES)
+    if not isinstance(symmetry, bool):
+        raise TypeError(f"symmetry must be True or False, got {symmetry!r}")
     parts = [lobe_integral(lobe, tolerance, center) for lobe in brdf.lobes]
     if not parts:
         raise ValueError("brdf has no lobes, but needs at least one")
-    return AngularReflection(pixels, parts, edge, layout, subsamples)
+    return AngularReflection(pixels, parts, edge, layout, subsamples, symmetry)
 
 
 _DEFAULT_SIZE = {"latlong": 128, "cube": 64}
@@ -229,6 +238,7 @@ class AngularReflection:
         size: int,
         layout: str,
         subsamples: int | None,
+        symmetry: bool,
     ):
         H, W, _ = pixels.shape
         if subsamples is None:
@@ -236,11 +246,15 @@ class AngularReflection:
             spacing = max(np.pi / H, 2 * np.pi / W)
             subsamples = int(np.clip(np.ceil(4 * spacing / narrowest), 2, LARGEST_SUBSAMPLES))
         columns = np.arange(2 * W + _core.ANGULAR_LANES) % W
+        # cos(i pi/H) - cos((i+1) pi/H) without cancellation, times 2 pi/W
+        solid_angle = 4 * np.pi / W * np.sin(np.pi * (np.arange(H) + 0.5) / H) * np.sin(0.5 * np.pi / H)
+        power = (pixels * solid_angle[:, None, None]).astype(np.float32)
         self._picture: dict[str, Any] = {
-            "planes": np.ascontiguousarray(pixels.transpose(2, 0, 1)[:, :, columns]),
+            "planes": np.ascontiguousarray(power.transpose(2, 0, 1)[:, :, columns]),
             "subsamples": subsamples,
         }
         self._parts = tuple(parts)
+        self._symmetry = symmetry
         self._directions = _directions(layout, size)
         self._radial_maps: dict[int, Radiance] = {}
         self.error = max(part.error for part in parts)
@@ -336,7 +350,7 @@ class AngularReflection:
         if k not in self._radial_maps:
             C = self._directions
             if self.layout == "latlong":
-                self._radial_maps[k] = part.map(self._picture, *C.shape[:2])
+                self._radial_maps[k] = part.map(self._picture, C.shape[0], C.shape[1], self._symmetry)
             else:
                 flat = part.about(self._picture, np.ascontiguousarray(C.reshape(-1, 3)))
                 self._radial_maps[k] = flat.reshape(C.shape)

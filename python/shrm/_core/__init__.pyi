@@ -91,9 +91,41 @@ def to_half(rings: F32, halves: F16, /) -> None: ...
 def cube_directions(*, N: int) -> F64: ...
 
 # angular
-def angular_radial(*, planes: F32, subsamples: int, profile: F32, outer: float, centres: F64) -> F32: ...
+def angular_radial(
+    *,
+    planes: F32,
+    subsamples: int,
+    profile: F32,
+    shift: int,
+    scale: float,
+    support: float,
+    outer: float,
+    centres: F64,
+) -> F32: ...
 def angular_radial_map(
-    *, planes: F32, subsamples: int, profile: F32, outer: float, height: int, width: int
+    *,
+    planes: F32,
+    subsamples: int,
+    profile: F32,
+    shift: int,
+    scale: float,
+    support: float,
+    outer: float,
+    height: int,
+    width: int,
+    symmetry: bool,
+) -> F32: ...
+def angular_half_angle(
+    *,
+    planes: F32,
+    subsamples: int,
+    profile: F32,
+    shift: int,
+    scale: float,
+    support: float,
+    caps: F64,
+    normals: F64,
+    views: F64,
 ) -> F32: ...
 def angular_zonal(
     *, planes: F32, subsamples: int, profiles: F32, bands: F64, axes: F64, theta_o: F64

@@ -18,6 +18,8 @@ __all__ = ["MODULES", "Result", "Settings", "make", "names"]
 MODULES = (
     "table_2",
     "table_3",
+    "table_4",
+    "table_5",
     "figure_5",
     "figure_6",
     "figure_7",

@@ -17,7 +17,7 @@ class PowerLaw:
     exponent, factor : float
         Of the fit.
     deviation : float
-        Standard error of the exponent, from what the fit leaves; 0 for two sizes.
+        Standard error of the exponent, from what the fit leaves; 0 for two sizes, or if it was given.
     """
 
     exponent: float
@@ -28,9 +28,15 @@ class PowerLaw:
         """Return the fit's seconds."""
         return np.asarray(self.factor * np.asarray(sizes, dtype=np.float64) ** self.exponent)
 
+    def crossing(self, other: PowerLaw) -> float:
+        """Return the size at which two laws of different exponents are equal."""
+        return float((other.factor / self.factor) ** (1 / (self.exponent - other.exponent)))
 
-def fit(sizes: npt.ArrayLike, seconds: npt.ArrayLike) -> PowerLaw:
+
+def fit(sizes: npt.ArrayLike, seconds: npt.ArrayLike, exponent: float | None = None) -> PowerLaw:
     """Fit a power law to at least two different sizes and their times, all positive.
+
+    Where an exponent is given, by a theory, only the factor is fitted.
 
     Raises
     ------
@@ -44,6 +50,8 @@ def fit(sizes: npt.ArrayLike, seconds: npt.ArrayLike) -> PowerLaw:
         raise ValueError("a power law needs sizes and times above zero")
     log_x, log_y = np.log(x), np.log(y)
     centred = log_x - log_x.mean()
+    if exponent is not None:
+        return PowerLaw(exponent, float(np.exp(np.mean(log_y - exponent * log_x))), 0.0)
     exponent = float(centred @ log_y / (centred @ centred))
     left = log_y - log_y.mean() - exponent * centred
     variance = left @ left / (len(x) - 2) if len(x) > 2 else 0.0

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy.typing as npt
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
@@ -34,5 +36,27 @@ def plain_log(axis: Axis, base: float = 10.0, subs: Sequence[float] = (1.0,), pe
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     axis.set_major_locator(LogLocator(base=base, subs=subs, numticks=20))
-    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{100 * x:.3g}%" if percent else f"{x:.4g}"))
+    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{100 * x:.3g}%" if percent else f"{x:.6g}"))
     axis.set_minor_locator(NullLocator())
+
+
+def measured_line(panel: Axes, index: int, label: str, x: npt.ArrayLike, y: npt.ArrayLike) -> None:
+    """Draw what was measured: filled marks, joined."""
+    panel.plot(
+        x, y, MARKS[index], color=COLORS[index], linestyle="-", linewidth=1.6, markersize=6, label=label
+    )
+
+
+def papers_line(panel: Axes, index: int, label: str, x: npt.ArrayLike, y: npt.ArrayLike) -> None:
+    """Draw the paper's: open marks, dashed."""
+    panel.plot(
+        x,
+        y,
+        MARKS[index],
+        color=COLORS[index],
+        linestyle="--",
+        linewidth=1.2,
+        markersize=6,
+        markerfacecolor="none",
+        label=label,
+    )

@@ -1,0 +1,107 @@
+"""Direct integration against the most that its own instructions allow: samples per second, and of what peak.
+
+`angular_peak.cpp` runs the innermost loops of the core, the same source, on rows that stay in the first
+cache.
+"""
+
+import os
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from shrm import Environment, brdf
+from shrm.reference import AngularReflection, prefilter_angular
+
+HERE = Path(__file__).resolve().parent
+OPTIONS = ["-std=c++20", "-O3", "-march=native", "-mprefer-vector-width=512", "-ffp-contract=fast"]
+VIEW = [0.6, 0.0, 0.8]
+
+# Multiply-adds count two: z, the cubic (3) and the sums (3).
+RADIAL_OPERATIONS = 14
+
+
+class Peak(NamedTuple):
+    """Samples per second of the two loops and operations per second of multiply-adds alone, on one core."""
+
+    radial: float
+    half_angle: float
+    multiply_adds: float
+
+
+@pytest.fixture(scope="module")
+def peak(tmp_path_factory: pytest.TempPathFactory) -> Peak:
+    compiler = shutil.which("g++")
+    if compiler is None:
+        pytest.skip("there is no g++ to build angular_peak.cpp with")
+    program = tmp_path_factory.mktemp("peak") / "angular_peak"
+    source = [f"-I{HERE.parent / 'cpp'}", str(HERE / "angular_peak.cpp"), "-o", str(program)]
+    subprocess.run([compiler, *OPTIONS, "-fno-math-errno", *source], check=True)
+    done = subprocess.run([program], capture_output=True, text=True, check=True)
+    return Peak(*map(float, done.stdout.split()))
+
+
+def within(angle: float, H: int) -> int:
+    """Pairs of texels of two H x 2 H pictures that lie within an angle of each other."""
+    theta, phi = (np.arange(H) + 0.5) * np.pi / H, np.arange(2 * H) * np.pi / H
+    rows = np.multiply.outer(np.cos(theta), np.cos(theta))[:, :, None]
+    cosine = rows + np.multiply.outer(np.multiply.outer(np.sin(theta), np.sin(theta)), np.cos(phi))
+    return 2 * H * int((cosine >= np.cos(angle)).sum())
+
+
+def relative_rms(a: Any, b: Any) -> float:
+    a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    return float(np.sqrt(((a - b) ** 2).sum() / (b**2).sum()))
+
+
+def timed(benchmark: Any, prepare: Callable[[], AngularReflection], exact: Any, work: str) -> float | None:
+    """Time `at_view` of what is prepared anew for each round, as a map is made once; the least seconds."""
+    found = benchmark.pedantic(lambda r: r.at_view(VIEW), setup=lambda: ((prepare(),), {}), rounds=15)
+    benchmark.extra_info.update(work=work, error=relative_rms(found, exact))
+    return None if benchmark.stats is None else float(benchmark.stats.stats.min)
+
+
+@pytest.mark.benchmark(group="angular, 256 x 128 to 256 x 128")
+@pytest.mark.parametrize("s", [8, 32, 128, 512])
+@pytest.mark.parametrize("symmetry", [False, True], ids=["every-pair", "symmetry"])
+def bench_phong_texels(benchmark: Any, peak: Peak, s: int, symmetry: bool) -> None:
+    """[RH02] section 7.4: for every texel of the map, every texel of the environment within the width."""
+    env = Environment(Environment.daylight(size=128).pixels)
+
+    def prepared(tolerance: float = 0.05) -> AngularReflection:
+        return prefilter_angular(
+            env, brdf.Phong(s), tolerance=tolerance, size=128, subsamples=1, symmetry=symmetry
+        )
+
+    exact = prepared(0.0).at_view(VIEW)
+    method = "by symmetry" if symmetry else "every pair"
+    seconds = timed(benchmark, prepared, exact, f"Phong s = {s}, eps = .05, {method}")
+    if seconds is None:
+        return
+    # [RH02] appendix D: cos^s has all but .05 of its integral within W
+    samples = within(float(np.arccos(0.05 ** (1 / (s + 1)))), 128)
+    threads = int(os.environ.get("OMP_NUM_THREADS", os.cpu_count() or 1))
+    rate = samples / seconds / threads
+    benchmark.extra_info.update(samples=samples, samples_per_second_and_core=rate)
+    if not symmetry:
+        benchmark.extra_info.update(
+            of_peak=rate / peak.radial,
+            gflops=rate * RADIAL_OPERATIONS * 1e-9,
+            of_multiply_adds=rate * RADIAL_OPERATIONS / peak.multiply_adds,
+        )
+
+
+@pytest.mark.benchmark(group="angular, 256 x 128 to 256 x 128")
+@pytest.mark.parametrize("sigma", [0.1, 0.2, 0.3, 0.4, 0.5])
+def bench_microfacet_texels(benchmark: Any, sigma: float) -> None:
+    """A map for one view; the lobe's shape changes over it, so that only half vectors are shared."""
+    env = Environment(Environment.daylight(size=128).pixels)
+
+    def prepared(tolerance: float = 0.05) -> AngularReflection:
+        return prefilter_angular(env, brdf.Microfacet(sigma), tolerance=tolerance, size=128, subsamples=1)
+
+    exact = prepared(0.0).at_view(VIEW)
+    timed(benchmark, prepared, exact, f"microfacet sigma = {sigma}, eps = .05, one view")

@@ -1,0 +1,108 @@
+// Lanes of the instruction set that the core is built for, and sums in them. Private to angular.
+#pragma once
+
+#include <cstring>
+
+#include "angular.hpp"
+
+#define SHRM_INLINE inline __attribute__((always_inline))
+
+namespace shrm::angular {
+
+#if defined(__AVX512F__)
+inline constexpr int width = 16;
+#elif defined(__AVX2__)
+inline constexpr int width = 8;
+#else
+inline constexpr int width = 4;
+#endif
+static_assert(lanes % width == 0);
+
+typedef float Lanes __attribute__((vector_size(width * sizeof(float))));
+typedef int Ints __attribute__((vector_size(width * sizeof(int))));
+
+SHRM_INLINE Lanes load(const float* p) {
+    Lanes v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+}
+
+SHRM_INLINE void store(float* p, const Lanes& v) {
+    std::memcpy(p, &v, sizeof v);
+}
+
+// A load that several products share, kept in a register: the compiler would repeat it for each of them.
+SHRM_INLINE Lanes load_once(const float* p) {
+    Lanes v = load(p);
+#if defined(__x86_64__)
+    asm("" : "+v"(v));
+#endif
+    return v;
+}
+
+// v where the mask is set, else 0.
+SHRM_INLINE Lanes only(const Ints& mask, const Lanes& v) {
+    return reinterpret_cast<Lanes>(reinterpret_cast<Ints>(v) & mask);
+}
+
+// The first n lanes.
+SHRM_INLINE Ints below(int n) {
+    Ints lane = {};
+    for (int k = 0; k < width; ++k) lane[k] = k;
+    return lane < n;
+}
+
+// Sums of three channels, in double, of parts that were summed in single precision.
+struct Sum {
+    double total[3][width] = {};
+
+    // Adds a part, and empties it.
+    SHRM_INLINE void add(Lanes part[3]) {
+        for (int c = 0; c < 3; ++c) {
+            float single[width];
+            store(single, part[c]);
+            for (int k = 0; k < width; ++k) total[c][k] += static_cast<double>(single[k]);
+            part[c] = Lanes{};
+        }
+    }
+    SHRM_INLINE void write(float* out) {
+        for (int c = 0; c < 3; ++c) {
+            for (int half = width / 2; half > 0; half /= 2)
+                for (int k = 0; k < half; ++k) total[c][k] += total[c][k + half];
+            out[c] = static_cast<float>(total[c][0]);
+        }
+    }
+};
+
+// Terms that one lane may sum in single precision: rounding stays near 1e-6 even where they all are of one
+// sign.
+inline constexpr int terms_in_single = 256;
+
+// sum[c] += sum_j weight(j) light[c][j], n of them, a whole group of lanes at a time.
+template <class Weight>
+SHRM_INLINE void sum_weighted(const Weight& weight, const float* const light[3], int n, Lanes sum[3]) {
+    Lanes s[3] = {sum[0], sum[1], sum[2]};  // in registers, whatever `sum` is
+    int j = 0;
+    for (; j + width <= n; j += width) {
+        const Lanes w = weight(j);
+        for (int c = 0; c < 3; ++c) s[c] += w * load(light[c] + j);
+    }
+    if (j < n) {
+        const Lanes w = only(below(n - j), weight(j));
+        for (int c = 0; c < 3; ++c) s[c] += w * load(light[c] + j);
+    }
+    for (int c = 0; c < 3; ++c) sum[c] = s[c];
+}
+
+// Adds sum_j weight[c][j] light[c][j], n of them; both are readable in whole groups of lanes.
+SHRM_INLINE void accumulate(const float* const weight[3], const float* const light[3], int n, Sum& sum) {
+    Lanes single[3] = {};
+    int j = 0;
+    for (; j + width <= n; j += width)
+        for (int c = 0; c < 3; ++c) single[c] += load(weight[c] + j) * load(light[c] + j);
+    if (j < n)
+        for (int c = 0; c < 3; ++c) single[c] += only(below(n - j), load(weight[c] + j)) * load(light[c] + j);
+    sum.add(single);
+}
+
+}  // namespace shrm::angular
