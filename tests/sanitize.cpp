@@ -99,7 +99,7 @@ void harmonics() {
                 for (std::size_t n : {1u, 5u, 67u}) {
                     const auto directions = random_directions(n);
                     std::vector<double> values(n * size(channels));
-                    shrm::evaluate<double>(coefficients, channels, F, directions, values);
+                    shrm::evaluate(coefficients, channels, F, directions, values);
                 }
             }
 }

@@ -14,8 +14,6 @@
 namespace shrm {
 namespace {
 
-constexpr std::size_t largest_table = std::size_t(64) << 20;
-
 // Sums and differences of two rings, channel by channel: sum and difference (channels, W).
 inline void planes(const float* north, const float* south, int W, int channels, float* sum,
                    float* difference) {
@@ -120,7 +118,7 @@ Analysis::Analysis(int H, int W, int channels, int F, Texel texel, Tables tables
     }
     modes_.assign(size(F + 1) * size(4 * channels) * size(padded_), 0);
 
-    if (tables == Tables::kept && row_size(F + 1) * sizeof(float) <= largest_table) {
+    if (tables == Tables::kept && row_size(F + 1) * sizeof(float) <= largest_kept_table) {
         table_.resize(row_size(F + 1));
 #pragma omp parallel
         {

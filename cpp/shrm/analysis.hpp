@@ -3,6 +3,7 @@
 // northern one, but for the sign (-1)^{l+m}: sums and differences of the two go through half the work.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -17,8 +18,10 @@ enum class Texel {
     area     // a constant over its area: the exact integral of Y_lm over each texel
 };
 
-// Whether tables are made once and kept, or made each time they are needed. Those over 64 MiB never are kept.
+// Whether the table of f_lm is made once and kept, for repeated runs, or order by order on the way, for a
+// single one. A larger table is never kept: a plan's memory has a bound.
 enum class Tables { kept, transient };
+inline constexpr std::size_t largest_kept_table = std::size_t(64) << 20;  // bytes
 
 // Weights w_i of Fejer's first rule at theta_i = (i + 1/2) pi / H: sum_i w_i g(theta_i) is the integral
 // of g(theta) sin(theta) over [0, pi], exact for polynomials in cos(theta) of degree below H [W06].

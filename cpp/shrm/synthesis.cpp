@@ -11,7 +11,6 @@
 namespace shrm {
 namespace {
 
-constexpr std::size_t largest_table = std::size_t(64) << 20;
 constexpr int rings_at_once = 4;
 
 // For 4 rings and V vectors of channels: the sum over l of rows(l - m, ring) ordered(l - m). The northern
@@ -58,7 +57,7 @@ Synthesis::Synthesis(int H, int W, int channels, int F, Tables tables)
       ordered_(degrees_below(F + 1) * size(stride_), 0.f) {
     static_assert(ring_block == rings_at_once);
     const std::size_t block_size = degrees_below(F + 1) * ring_block;
-    if (tables == Tables::kept && size(blocks_) * block_size * sizeof(float) <= largest_table) {
+    if (tables == Tables::kept && size(blocks_) * block_size * sizeof(float) <= largest_kept_table) {
         table_.resize(size(blocks_) * block_size);
 #pragma omp parallel for schedule(static)
         for (int block = 0; block < blocks_; ++block)

@@ -1,5 +1,7 @@
 #include "shrm/view_map.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -127,6 +129,14 @@ void to_half(std::span<const float> rings, std::span<std::uint16_t> halves) {
     for (std::ptrdiff_t i = 0; i < whole; i += lanes)
         store(&halves[std::size_t(i)], load(&rings[std::size_t(i)]));
     for (std::ptrdiff_t i = whole; i < n; ++i) halves[std::size_t(i)] = half_from(rings[std::size_t(i)]);
+}
+
+float largest_magnitude(std::span<const float> rings) {
+    const auto n = static_cast<std::ptrdiff_t>(rings.size());
+    float largest = 0;
+#pragma omp parallel for simd schedule(static) reduction(max : largest)
+    for (std::ptrdiff_t i = 0; i < n; ++i) largest = std::max(largest, std::abs(rings[std::size_t(i)]));
+    return largest;
 }
 
 }  // namespace shrm
