@@ -197,9 +197,10 @@ void Analysis::legendre_step(int m, Scratch& scratch, double* coefficients) {
         legendre_rows(m, scratch, scratch.legendre.data());
         rows = scratch.legendre.data();
     }
-    constexpr int I = 4;
+    constexpr int I = 4;  // degrees whose sums stay in registers
     for (int parity = 0; parity < 2; ++parity)
         for (int l0 = m + parity; l0 <= F_; l0 += 2 * I)
+            // modes two by two: the cosine's channels, then the sine's
             for (int z = 0; z < 2 * channels_; z += 2) {
                 const float* modes = &modes_[size(((m * 2 + parity) * 2) * channels_ + z) * size(padded_)];
                 const float* first = rows + size(l0 - m) * size(padded_);

@@ -34,7 +34,7 @@ glm::dvec3 texel_direction(const ReflectionMapView& map, int row, int column) {
     return glm::normalize(cube_direction(row / map.W, centred(column), centred(row % map.W)));
 }
 
-// A weight for each map, or, if zonal, for each map and texel.
+// Y_pq(V), one for each map; or, if zonal, Y_p0(C.V), one for each map and texel of a row.
 struct Weights {
     const float* values;
     std::ptrdiff_t stride;  // from map to map if zonal
