@@ -132,10 +132,19 @@ void to_half(std::span<const float> rings, std::span<std::uint16_t> halves) {
 }
 
 float largest_magnitude(std::span<const float> rings) {
-    const auto n = static_cast<std::ptrdiff_t>(rings.size());
+    const auto n = static_cast<std::ptrdiff_t>(rings.size()), whole = n / lanes * lanes;
     float largest = 0;
-#pragma omp parallel for simd schedule(static) reduction(max : largest)
-    for (std::ptrdiff_t i = 0; i < n; ++i) largest = std::max(largest, std::abs(rings[std::size_t(i)]));
+#pragma omp parallel reduction(max : largest)
+    {
+        Floats most = {};
+#pragma omp for schedule(static)
+        for (std::ptrdiff_t i = 0; i < whole; i += lanes) {
+            const Floats v = load(&rings[std::size_t(i)]), magnitude = v < 0 ? -v : v;
+            most = magnitude > most ? magnitude : most;  // NaN never is
+        }
+        for (int i = 0; i < lanes; ++i) largest = std::max(largest, most[i]);
+    }
+    for (std::ptrdiff_t i = whole; i < n; ++i) largest = std::max(largest, std::abs(rings[std::size_t(i)]));
     return largest;
 }
 
