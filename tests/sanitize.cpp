@@ -14,11 +14,13 @@
 #include "shrm/core.hpp"
 #include "shrm/cube_synthesis.hpp"
 #include "shrm/evaluation.hpp"
+#include "shrm/explicit_maps.hpp"
 #include "shrm/grid.hpp"
 #include "shrm/layouts.hpp"
 #include "shrm/map_coefficients.hpp"
 #include "shrm/radiance.hpp"
 #include "shrm/reflection_map.hpp"
+#include "shrm/rotation.hpp"
 #include "shrm/synthesis.hpp"
 #include "shrm/view_map.hpp"
 #include "shrm/wigner.hpp"
@@ -113,7 +115,7 @@ void rotation() {
                                     glm::dmat3(0.8, 0.6, 0, 0, 0, 1, 0.6, -0.8, 0)}) {
             const auto coefficients = random_values<double>(basis_size(F) * 3);
             std::vector<double> rotated(coefficients.size());
-            shrm::rotate(coefficients, 3, F, R, rotated);
+            shrm::Rotation(F, 3).run(coefficients, R, rotated);
         }
 }
 
@@ -176,6 +178,10 @@ void radiance() {
                                            values);
                     }
                     shrm::view_map(map, views[1], pixels);
+                    if (!zonal) {
+                        std::vector<float> many(2 * 2 * pixels.size());
+                        shrm::explicit_maps(map, 2, many);
+                    }
                     std::vector<std::uint16_t> halves(rings.size());
                     shrm::to_half(rings, halves);
                     shrm::largest_magnitude(rings);

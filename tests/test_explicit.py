@@ -51,3 +51,14 @@ def test_the_three_dimensional_texture_is_the_local_form_without_azimuth(layout)
     Y = np.stack([oracles.special.sph_harm_y(p, 0, theta_o, 0).real for p in range(4)], axis=1)
     expected = np.einsum("tp,pnc->tnc", Y, local).reshape(7, *C.shape)
     np.testing.assert_allclose(texture, expected, atol=2e-5 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("layout", "size"), [("latlong", 18), ("cube", 10)])
+def test_a_grid_of_views_is_every_view_on_its_own(layout, size):
+    env = band_limited_environment(5, seed=26)
+    rm = prefilter(
+        env, brdf.GGX(0.4).recentred("reflection"), orders=(5, 4), size=size, layout=layout, clamp=True
+    )
+    single = np.stack([rm.at_view(view) for view in explicit.grid_views(3).reshape(-1, 3)])
+    many = reflection_maps(rm, 3)
+    np.testing.assert_allclose(many.reshape(single.shape), single, atol=1e-5 * single.max())

@@ -116,7 +116,7 @@ def test_the_command_writes_every_result_and_the_index(shrm: Command, sky: Path,
         with (tmp_path / "out" / f"{name}.csv").open(newline="") as file:
             header, *rows = csv.reader(file)
         assert rows
-        assert any(column.endswith("[RH02]") for column in header)
+        assert any(column.endswith("[RH02]") for column in header) or not name.startswith("table")
     with (tmp_path / "out" / "table-3.csv").open(newline="") as file:
         costs = list(csv.DictReader(file))
     shown = {variable for _, variables in PANELS.values() for variable in variables}

@@ -5,6 +5,7 @@
 
 #include "ndarray.hpp"
 #include "shrm/core.hpp"
+#include "shrm/explicit_maps.hpp"
 #include "shrm/map_coefficients.hpp"
 #include "shrm/radiance.hpp"
 #include "shrm/view_harmonics.hpp"
@@ -157,6 +158,17 @@ void view_map(const py::array& rings, bool cube, bool zonal, const Array<double>
     shrm::view_map(map, V[0], out);
 }
 
+Array<float> explicit_maps(const Array<float>& rings, bool cube, int T) {
+    const ReflectionMapView map = require_map(rings, cube, false);
+    require_positive("T", T);
+    const int N = map.W - 2 * cube_border;
+    auto pixels = cube ? allocate<float>({T, T, 6, N, N, 3}) : allocate<float>({T, T, map.H, map.W, 3});
+    const auto out = view(pixels);
+    const py::gil_scoped_release release;
+    shrm::explicit_maps(map, T, out);
+    return pixels;
+}
+
 void to_half(const Array<float>& rings, py::array& halves) {
     if (halves.dtype().kind() != 'f' || halves.itemsize() != 2 || !(halves.flags() & py::array::c_style))
         throw py::type_error("halves must be a contiguous array of float16");
@@ -207,6 +219,7 @@ void bind_reflection_map(py::module_& module) {
                "radiance"_a.noconvert());
     module.def("view_map", &view_map, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a,
                "direction"_a.noconvert(), "pixels"_a.noconvert());
+    module.def("explicit_maps", &explicit_maps, py::kw_only(), "rings"_a.noconvert(), "cube"_a, "T"_a);
     module.def("to_half", &to_half, "rings"_a.noconvert(), "halves"_a, py::pos_only());
     module.def("largest_magnitude", &largest_magnitude, "rings"_a.noconvert(), py::pos_only());
     module.def("cube_directions", &cube_directions, py::kw_only(), "N"_a);

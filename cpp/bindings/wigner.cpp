@@ -1,23 +1,57 @@
 #include "shrm/wigner.hpp"
 
+#include <memory>
+#include <mutex>
+
 #include "ndarray.hpp"
+#include "shrm/core.hpp"
+#include "shrm/rotation.hpp"
 
 namespace shrm::bindings {
 namespace {
 
+glm::dmat3 matrix(const Array<double>& R) {
+    require_shape(R, "R", {3, 3});
+    glm::dmat3 columns;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) columns[column][row] = R.at(row, column);
+    return columns;
+}
+
 Array<double> rotate(const Array<double>& coefficients, const Array<double>& R) {
     const int F = degree_of(coefficients, "coefficients");
-    require_shape(R, "R", {3, 3});
     const int channels = extent(coefficients, 1);
-    glm::dmat3 rotation;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) rotation[column][row] = R.at(row, column);
+    const glm::dmat3 rotation = matrix(R);
     auto rotated = allocate<double>({coefficients.shape(0), channels});
     const auto in = view(coefficients);
     const auto out = view(rotated);
     const py::gil_scoped_release release;
-    shrm::rotate(in, channels, F, rotation, out);
+    Rotation(F, channels).run(in, rotation, out);
     return rotated;
+}
+
+// It works in memory of its own, so it runs for one caller at a time.
+struct RotationPlan {
+    int F, channels;
+    Rotation rotation;
+    std::mutex busy;
+
+    void run(const Array<double>& coefficients, const Array<double>& R, Array<double>& rotated) {
+        require_shape(coefficients, "coefficients", {ssize(basis_size(F)), channels});
+        require_shape(rotated, "rotated", {ssize(basis_size(F)), channels});
+        const glm::dmat3 by = matrix(R);
+        const auto in = view(coefficients);
+        const auto out = view(rotated);
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(busy);
+        rotation.run(in, by, out);
+    }
+};
+
+std::unique_ptr<RotationPlan> rotation_plan(int F, int channels) {
+    require_degree("F", F);
+    require_positive("channels", channels);
+    return std::unique_ptr<RotationPlan>(new RotationPlan{F, channels, {F, channels}, {}});
 }
 
 // d^l_{mq}(alpha), one value per l from 0 to F (zero below max(|m|, |q|)): for tests of the recurrence.
@@ -42,6 +76,10 @@ Array<double> wigner_d(int m, int q, int F, double alpha) {
 void bind_wigner(py::module_& module) {
     using namespace py::literals;
     module.def("rotate", &rotate, py::kw_only(), "coefficients"_a.noconvert(), "R"_a.noconvert());
+    py::class_<RotationPlan>(module, "Rotation")
+        .def(py::init(&rotation_plan), py::kw_only(), "F"_a, "channels"_a)
+        .def("run", &RotationPlan::run, "coefficients"_a.noconvert(), "R"_a.noconvert(),
+             "rotated"_a.noconvert());
     module.def("wigner_d", &wigner_d, py::kw_only(), "m"_a, "q"_a, "F"_a, "alpha"_a);
 }
 

@@ -47,6 +47,8 @@
 //              EGWR 1998.
 //   [WMLT07]   B. Walter, S. Marschner, H. Li, K. Torrance. Microfacet Models for Refraction
 //              through Rough Surfaces. EGSR 2007.
+//   [AP07]     M. Ashikhmin, S. Premoze. Distribution-based BRDFs. Technical report, University
+//              of Utah, 2007.
 //   [PSS99]    A. J. Preetham, P. Shirley, B. Smits. A Practical Analytic Model for Daylight.
 //              SIGGRAPH 1999.
 //   [WSS13]    C. Wyman, P.-P. Sloan, P. Shirley. Simple Analytic Approximations to the CIE
@@ -62,7 +64,8 @@
 //   legendre        f_lm, the theta part of Y_lm, by recurrence
 //   ring_fourier    the phi part: Fourier transforms of the rings of a picture
 //   analysis        light: from a lat-long picture to coefficients L_lm
-//   wigner          small-d recurrences, rotation in frequency space, Clebsch-Gordan
+//   wigner          small-d recurrences, Clebsch-Gordan
+//   rotation        rotation of coefficients
 //   brdf_analysis   material: the transfer function's coefficients rho_lpq
 //   map_coefficients  the product of both: the coefficients of the reflection map's own maps
 //   synthesis       from coefficients to maps, on a lat-long grid
@@ -73,6 +76,7 @@
 //   view_harmonics  the basis of the view at one direction
 //   view_map        all central directions under one view: the dynamic reflection map
 //   radiance        looking a reflection map up, point by point
+//   explicit_maps   the dynamic maps of many views at once
 //   angular         direct integration over lobes; shares no code with the above, to judge it
 //   angular_texels  the nodes of a picture's texels, and which of them a lobe visits
 //   simd            vectors of the instruction set that a file is compiled for

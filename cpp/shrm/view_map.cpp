@@ -15,17 +15,6 @@
 namespace shrm {
 namespace {
 
-// The texels of a map that are shown: those of a cube's borders are not.
-struct Shown {
-    int rows, columns, border;
-
-    explicit Shown(const ReflectionMapView& map)
-        : rows(map.layout == MapLayout::cube ? 6 * (map.W - 2 * cube_border) : map.H),
-          columns(map.layout == MapLayout::cube ? map.W - 2 * cube_border : map.W),
-          border(map.layout == MapLayout::cube ? cube_border : 0) {}
-    int row(int i) const { return border ? i / columns * (columns + 2 * border) + border + i % columns : i; }
-};
-
 glm::dvec3 texel_direction(const ReflectionMapView& map, int row, int column) {
     if (map.layout == MapLayout::latlong)
         return LatLong(map.H, map.W, 0).ray(column + 0.5, row + 0.5).direction;
@@ -85,7 +74,7 @@ void view_row(const Stored* ring, int W, int maps, int columns, Weights weights,
 template <class Stored>
 void view_map(const ReflectionMapView& map, std::span<const Stored> rings, const glm::dvec3& view,
               std::span<float> pixels) {
-    const Shown shown(map);
+    const ShownTexels shown(map);
     const std::size_t ring = size(map.maps()) * 3 * size(map.W);
     double Y[basis_size(largest_P)];
     float of_view[basis_size(largest_P)];

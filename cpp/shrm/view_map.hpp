@@ -10,6 +10,18 @@
 
 namespace shrm {
 
+// The texels of a map that are shown: those of a cube's borders are not.
+struct ShownTexels {
+    int rows, columns, border;
+
+    explicit ShownTexels(const ReflectionMapView& map)
+        : rows(map.layout == MapLayout::cube ? 6 * (map.W - 2 * cube_border) : map.H),
+          columns(map.layout == MapLayout::cube ? map.W - 2 * cube_border : map.W),
+          border(map.layout == MapLayout::cube ? cube_border : 0) {}
+    // Row i in the map's memory.
+    int row(int i) const { return border ? i / columns * (columns + 2 * border) + border + i % columns : i; }
+};
+
 // pixels = sum_pq B~_pq(C) Y_pq(V)   [RH02] eq. 12, or sum_p B_p0(C) Y_p0(C.V) if zonal, on the map's own
 // grid: (H, W, 3), or (6, N, N, 3) for cubes, without their borders.
 void view_map(const ReflectionMapView& map, const glm::dvec3& view, std::span<float> pixels);

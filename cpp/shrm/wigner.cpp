@@ -2,15 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstdlib>
-#include <utility>
 
 #include "shrm/legendre.hpp"
 
 namespace shrm {
-namespace {}  // namespace
-
 WignerRecurrence::WignerRecurrence(int m, int q, int F) : first_(std::max(std::abs(m), std::abs(q))) {
     // d^j_{jk} = sqrt(C(2j, j+k)) cos^{j+k} (-sin)^{j-k} of the half angle; the other edges of the matrix by
     // d_{mq} = (-1)^{m-q} d_{qm} = (-1)^{m-q} d_{-m,-q}.
@@ -40,64 +36,6 @@ WignerRecurrence::WignerRecurrence(int m, int q, int F) : first_(std::max(std::a
 
 double WignerRecurrence::start(double cos_half, double sin_half) const {
     return start_ * power(cos_half, cos_power_) * power(sin_half, sin_power_);
-}
-
-EulerAngles euler_angles(const glm::dmat3& R) {  // glm: R[column][row]
-    const double sine = std::hypot(R[2][0], R[2][1]);
-    if (sine < 1e-12)  // about z, or z turned over: only one angle is determined
-        return {std::atan2(-R[1][0], R[1][1]), R[2][2] < 0 ? pi : 0, 0};
-    return {std::atan2(R[2][1], R[2][0]), std::atan2(sine, R[2][2]), std::atan2(R[1][2], -R[0][2])};
-}
-
-void rotate(std::span<const double> coefficients, int channels, int F, const glm::dmat3& R,
-            std::span<double> rotated) {
-    using Complex = std::complex<double>;
-    const auto [beta, alpha, gamma] = euler_angles(R);
-    const double x = std::cos(alpha), cos_half = std::cos(alpha / 2), sin_half = std::sin(alpha / 2);
-    const std::size_t n = size(channels);
-
-    // sqrt2 e^{-i q gamma} c_lq for q > 0, and c_l0, with c_lq of the complex basis
-    std::vector<Complex> turned(basis_size(F) * n);
-    for (int l = 0; l <= F; ++l)
-        for (int q = 0; q <= l; ++q)
-            for (std::size_t c = 0; c < n; ++c) {
-                const double plus = coefficients[lm(l, q) * n + c], minus = coefficients[lm(l, -q) * n + c];
-                turned[lm(l, q) * n + c] =
-                    q ? Complex(plus, -minus) * std::polar(1.0, -q * gamma) : Complex(plus, 0);
-            }
-#pragma omp parallel
-    {
-        std::vector<Complex> sums;
-#pragma omp for schedule(dynamic)
-        for (int m = 0; m <= F; ++m) {
-            sums.assign(size(F + 1) * n, 0);
-            for (int q = 0; q <= F; ++q) {
-                const WignerRecurrence plus(m, q, F), minus(m, -q, F);
-                double d = plus.start(cos_half, sin_half), e = minus.start(cos_half, sin_half), d0 = 0,
-                       e0 = 0;
-                const double sign = q % 2 ? -1 : 1;
-                for (int l = plus.first_degree(); l <= F; ++l) {
-                    // the terms of q and -q at once, c_{l,-q} = (-1)^q conj(c_lq); sums are c'_lm / sqrt2
-                    const double re = q ? (d + sign * e) / 2 : d / std::numbers::sqrt2,
-                                 im = q ? (d - sign * e) / 2 : 0;
-                    for (std::size_t c = 0; c < n; ++c) {
-                        const Complex t = turned[lm(l, q) * n + c];
-                        sums[size(l) * n + c] += Complex(re * t.real(), im * t.imag());
-                    }
-                    if (l == F) break;
-                    const auto [a, b, back] = plus.step(l);
-                    d0 = std::exchange(d, (a * x + b) * d - back * d0);
-                    e0 = std::exchange(e, (a * x - b) * e - back * e0);
-                }
-            }
-            for (int l = m; l <= F; ++l)
-                for (std::size_t c = 0; c < n; ++c) {
-                    const Complex s = sums[size(l) * n + c] * std::polar(std::numbers::sqrt2, -m * beta);
-                    rotated[lm(l, m) * n + c] = m ? s.real() * std::numbers::sqrt2 : s.real();
-                    if (m) rotated[lm(l, -m) * n + c] = -s.imag() * std::numbers::sqrt2;
-                }
-        }
-    }
 }
 
 ClebschGordan::ClebschGordan(int max_sum) : log_factorial_(size(max_sum) + 1, 0) {

@@ -1,10 +1,7 @@
-// Wigner's small-d, rotation of spherical harmonic coefficients, Clebsch-Gordan coefficients [VMK88].
+// Wigner's small-d and Clebsch-Gordan coefficients [VMK88].
 #pragma once
 
-#include <span>
 #include <vector>
-
-#include <glm/mat3x3.hpp>
 
 #include "shrm/core.hpp"
 
@@ -31,17 +28,6 @@ class WignerRecurrence {
     double start_;
     std::vector<Step> steps_;
 };
-
-// The z-y-z angles of a rotation: R = R_z(beta) R_y(alpha) R_z(gamma), alpha in [0, pi].
-struct EulerAngles {
-    double beta, alpha, gamma;
-};
-EulerAngles euler_angles(const glm::dmat3& R);
-
-// The coefficients of L(R^T w): c'_lm = sum_q e^{-i m beta} d^l_{mq}(alpha) e^{-i q gamma} c_lq.
-//   coefficients and rotated ((F+1)^2, channels), real basis
-void rotate(std::span<const double> coefficients, int channels, int F, const glm::dmat3& R,
-            std::span<double> rotated);
 
 // <l m p mu | j m+mu> by Racah's sum [VMK88 8.2] with a table of log n!. Its terms alternate and cancel: for
 // l <= 120 the absolute error is about 2e-12 for p <= 8, 2e-10 for p = 16 and 5e-9 for p = 24.

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from shrm import sh
+from shrm import _core, sh
 from shrm.brdf.lobe import Center
 from shrm.central_direction import gamma_table
 from shrm.reflection_map import Part, ReflectionMap
@@ -77,9 +77,18 @@ def icosahedral_maps(rm: ReflectionMap) -> Float32Array:
 
 
 def reflection_maps(rm: ReflectionMap, T: int) -> Float32Array:
-    """Return an explicit T x T set of maps, for the views of `grid_views`: (T, T, H, W, 3) float32."""
-    maps = maps_at_views(rm, grid_views(T).reshape(-1, 3))
-    return maps.reshape(T, T, *maps.shape[1:])
+    """Return an explicit T x T set of maps, for the views of `grid_views`: (T, T, H, W, 3) float32.
+
+    Views on a grid let the sum over p be shared by all azimuths: O(P) for each texel of each map
+    [RH02 appendix C].
+    """
+    views = grid_views(T).reshape(-1, 3)
+    if len(rm.parts) != 1 or rm.parts[0].zonal:
+        maps = maps_at_views(rm, views)
+        return maps.reshape(T, T, *maps.shape[1:])
+    rings = np.asarray(rm.parts[0].rings, dtype=np.float32)
+    maps = _core.explicit_maps(rings=rings, cube=rm.layout == "cube", T=T)
+    return np.maximum(maps, 0, out=maps) if rm.clamp else maps
 
 
 def three_dimensional_texture(rm: ReflectionMap, T: int) -> Float32Array:

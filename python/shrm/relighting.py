@@ -119,6 +119,8 @@ class Prefilter:
         self._light = env.coefficients(self.map.F).copy()
         self._next_light = np.empty_like(self._light)
         self._rotation: FloatArray | None = None
+        self._rotate = _core.Rotation(F=self.map.F, channels=3)
+        self._rotated = np.empty_like(self._light)
         self._plans = [_LobePlan(part) for part in self.map.parts]
 
     def update(
@@ -155,29 +157,32 @@ class Prefilter:
             raise TypeError(f"env must be an Environment, got {type(env).__name__}")
         if env is not None and env.pixels.shape != self._env.pixels.shape:
             raise ValueError(f"env must have the shape {self._env.pixels.shape}, got {env.pixels.shape}")
-        turn = self._rotation if env is None else None
+        R = self._rotation if env is None else None
         if rotation is not None:
-            turn = checked_rotation("rotation", rotation).copy()
+            R = checked_rotation("rotation", rotation).copy()
         material = self._material if brdf is None else self._of_the_same_kind(brdf)
 
         light = self._light
         if env is not None:
             light = self._analysis.analysis(env.pixels, out=self._next_light)
-        turned = light if turn is None else _core.rotate(coefficients=light, R=turn)
+        rotated = light
+        if R is not None:
+            self._rotate.run(light, R, self._rotated)
+            rotated = self._rotated
         tables = [(plan.part.gamma, plan.part.rho) for plan in self._plans]
         if brdf is not None:
             lobes = analysed(material, *self._analysed)
             pairs = zip(self._plans, lobes, strict=True)
             tables = [plan.tables_of(lobe, self._window) for plan, lobe in pairs]
         for plan, (_, rho) in zip(self._plans, tables, strict=True):
-            plan.compute(turned, rho)
+            plan.compute(rotated, rho)
 
         # Nothing is refused any more.
         if env is not None:
             self._env, self._light, self._next_light = env, light, self._light
-        self._rotation, self._material = turn, material
+        self._rotation, self._material = R, material
         parts = tuple(
-            plan.keep(turned, gamma, rho) for plan, (gamma, rho) in zip(self._plans, tables, strict=True)
+            plan.keep(rotated, gamma, rho) for plan, (gamma, rho) in zip(self._plans, tables, strict=True)
         )
         predict = partial(
             predicted_error, self._env, material, parts, self._criterion, self._window, self._F_max

@@ -22,6 +22,8 @@ MODULES = (
     "figure_6",
     "figure_7",
     "figure_8",
+    "figure_9",
+    "figure_10",
 )
 """In the paper's order. A module is imported when its result is made: plots are slow to load."""
 
