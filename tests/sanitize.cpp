@@ -84,15 +84,18 @@ void pictures() {
 
 void harmonics() {
     for (const auto [H, W] : extents)
-        for (int channels : {1, 3, 4})
+        for (int channels : {1, 3, 4, 27})
             for (int F : {0, 1, 5}) {
                 const auto pixels = random_values<float>(size(H) * size(W) * size(channels));
                 std::vector<double> coefficients(basis_size(F) * size(channels));
                 std::vector<float> rings(pixels.size());
                 for (auto tables : {shrm::Tables::kept, shrm::Tables::transient}) {
-                    for (auto texel : {shrm::Texel::sample, shrm::Texel::area})
-                        shrm::Analysis(H, W, channels, F, texel, tables).run(pixels, coefficients);
-                    shrm::Synthesis(H, W, channels, F, tables).run(coefficients, rings);
+                    for (auto texel : {shrm::Texel::sample, shrm::Texel::area}) {
+                        shrm::Analysis analysis(H, W, channels, F, texel, tables);
+                        for (int run = 0; run < 2; ++run) analysis.run(pixels, coefficients);
+                    }
+                    shrm::Synthesis synthesis(H, W, channels, F, tables);
+                    for (int run = 0; run < 2; ++run) synthesis.run(coefficients, rings);
                 }
                 const int side = H + H % 2 + 2 * shrm::cube_border;
                 std::vector<float> cube(size(6 * side) * size(channels) * size(side));
@@ -101,7 +104,7 @@ void harmonics() {
                 for (std::size_t n : {1u, 5u, 67u}) {
                     const auto directions = random_directions(n);
                     std::vector<double> values(n * size(channels));
-                    shrm::evaluate<double>(coefficients, channels, F, directions, values);
+                    shrm::evaluate(coefficients, channels, F, directions, values);
                 }
             }
 }
@@ -183,7 +186,9 @@ void radiance() {
                         std::vector<float> many(2 * 2 * pixels.size());
                         shrm::explicit_maps(map, 2, many);
                     }
-                    const std::vector<std::uint16_t> halves(rings.size(), 0x3c01);
+                    std::vector<std::uint16_t> halves(rings.size());
+                    shrm::to_half(rings, halves);
+                    shrm::largest_magnitude(rings);
                     map.halves = halves;
                     shrm::view_map(map, views[1], pixels);
                 }

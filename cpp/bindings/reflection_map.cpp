@@ -65,23 +65,25 @@ Array<double> global_coefficients(const Array<double>& light, const Array<double
 // It works in memory of its own, so it runs for one caller at a time.
 struct MapCoefficientsPlan {
     int F, P, channels;
-    MapCoefficients coefficients;
+    MapCoefficients product;
     std::mutex busy;
 
     void set_material(const Array<double>& rho) {
         require_shape(rho, "rho", {F + 1, P + 1, P + 1, channels});
         const auto in = view(rho);
-        const std::lock_guard lock(busy);
-        coefficients.set_material(in);
-    }
-    void run(const Array<double>& light, Array<double>& to) {
-        require_shape(light, "light", {ssize(basis_size(F)), channels});
-        require_shape(to, "to", {ssize(basis_size(coefficients.degree())), coefficients.maps(), channels});
-        const auto in = view(light);
-        const auto out = view(to);
         const py::gil_scoped_release release;
         const std::lock_guard lock(busy);
-        coefficients.run(in, out);
+        product.set_material(in);
+    }
+    void run(const Array<double>& light, Array<double>& coefficients) {
+        require_shape(light, "light", {ssize(basis_size(F)), channels});
+        require_shape(coefficients, "coefficients",
+                      {ssize(basis_size(product.degree())), product.maps(), channels});
+        const auto in = view(light);
+        const auto out = view(coefficients);
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(busy);
+        product.run(in, out);
     }
 };
 
@@ -177,6 +179,12 @@ void to_half(const Array<float>& rings, py::array& halves) {
     shrm::to_half(in, out);
 }
 
+float largest_magnitude(const Array<float>& rings) {
+    const auto in = view(rings);
+    const py::gil_scoped_release release;
+    return shrm::largest_magnitude(in);
+}
+
 Array<double> cube_directions(int N) {
     require_positive("N", N);
     const int padded = N + 2 * cube_border;
@@ -203,15 +211,17 @@ void bind_reflection_map(py::module_& module) {
                "rho"_a.noconvert());
     py::class_<MapCoefficientsPlan>(module, "MapCoefficients")
         .def(py::init(&map_coefficients_plan), py::kw_only(), "F"_a, "P"_a, "channels"_a, "zonal"_a)
-        .def("set_material", &MapCoefficientsPlan::set_material, "rho"_a.noconvert())
-        .def("run", &MapCoefficientsPlan::run, "from"_a.noconvert(), "to"_a.noconvert());
+        .def("set_material", &MapCoefficientsPlan::set_material, "rho"_a.noconvert(), py::pos_only())
+        .def("run", &MapCoefficientsPlan::run, "light"_a.noconvert(), "coefficients"_a.noconvert(),
+             py::pos_only());
     module.def("add_radiance", &add_radiance, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a, "centre"_a,
                "gamma"_a.noconvert(), "axes"_a.noconvert(), "views"_a.noconvert(), "bilinear"_a,
                "radiance"_a.noconvert());
     module.def("view_map", &view_map, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a,
                "direction"_a.noconvert(), "pixels"_a.noconvert());
     module.def("explicit_maps", &explicit_maps, py::kw_only(), "rings"_a.noconvert(), "cube"_a, "T"_a);
-    module.def("to_half", &to_half, "rings"_a.noconvert(), "halves"_a);
+    module.def("to_half", &to_half, "rings"_a.noconvert(), "halves"_a, py::pos_only());
+    module.def("largest_magnitude", &largest_magnitude, "rings"_a.noconvert(), py::pos_only());
     module.def("cube_directions", &cube_directions, py::kw_only(), "N"_a);
     module.attr("CUBE_BORDER") = cube_border;
 }

@@ -65,17 +65,22 @@ Array<float> cube_synthesis(const Array<double>& coefficients, int N) {
     return rings;
 }
 
-// A plan with the shapes of what it reads and writes. It works in memory of its own, so it runs for one
-// caller at a time.
+// What a plan reads or writes.
+struct Argument {
+    const char* name;
+    std::vector<py::ssize_t> shape;
+};
+
+// A transform with its arguments. It works in memory of its own, so it runs for one caller at a time.
 template <class Transform, class In, class Out>
 struct Plan {
     Transform transform;
-    std::vector<py::ssize_t> in_shape, out_shape;
+    Argument input, output;
     std::mutex busy;
 
     void run(const Array<In>& from, Array<Out>& to) {
-        require_shape(from, "from", in_shape);
-        require_shape(to, "to", out_shape);
+        require_shape(from, input.name, input.shape);
+        require_shape(to, output.name, output.shape);
         const auto in = view(from);
         const auto out = view(to);
         const py::gil_scoped_release release;
@@ -87,44 +92,47 @@ using AnalysisPlan = Plan<Analysis, float, double>;
 using SynthesisPlan = Plan<Synthesis, double, float>;
 using CubeSynthesisPlan = Plan<CubeSynthesis, double, float>;
 
-std::vector<py::ssize_t> coefficient_shape(int F, int channels) {
-    require_degree("F", F);
-    return {ssize(basis_size(F)), channels};
+Argument coefficients_argument(int F, int channels) {
+    return {"coefficients", {ssize(basis_size(F)), channels}};
 }
 
 std::unique_ptr<AnalysisPlan> analysis_plan(int H, int W, int channels, int F, bool areas) {
     require_sizes(H, W, channels);
+    require_degree("F", F);
     return std::unique_ptr<AnalysisPlan>(new AnalysisPlan{{H, W, channels, F, texel(areas), Tables::kept},
-                                                          {H, W, channels},
-                                                          coefficient_shape(F, channels),
+                                                          {"pixels", {H, W, channels}},
+                                                          coefficients_argument(F, channels),
                                                           {}});
 }
 
 std::unique_ptr<SynthesisPlan> synthesis_plan(int H, int W, int channels, int F) {
     require_sizes(H, W, channels);
-    return std::unique_ptr<SynthesisPlan>(new SynthesisPlan{
-        {H, W, channels, F, Tables::kept}, coefficient_shape(F, channels), {H, channels, W}, {}});
+    require_degree("F", F);
+    return std::unique_ptr<SynthesisPlan>(new SynthesisPlan{{H, W, channels, F, Tables::kept},
+                                                            coefficients_argument(F, channels),
+                                                            {"rings", {H, channels, W}},
+                                                            {}});
 }
 
 std::unique_ptr<CubeSynthesisPlan> cube_synthesis_plan(int N, int channels, int F) {
     require_even("N", N);
     require_positive("channels", channels);
+    require_degree("F", F);
     const int side = N + 2 * cube_border;
     return std::unique_ptr<CubeSynthesisPlan>(new CubeSynthesisPlan{
-        {N, channels, F}, coefficient_shape(F, channels), {6 * side, channels, side}, {}});
+        {N, channels, F}, coefficients_argument(F, channels), {"rings", {6 * side, channels, side}}, {}});
 }
 
-template <class Real>
-Array<Real> evaluate(const Array<double>& coefficients, const Array<double>& directions) {
+Array<double> evaluate(const Array<double>& coefficients, const Array<double>& directions) {
     const int F = degree_of(coefficients, "coefficients");
     require_shape(directions, "directions", {any, 3});
     const int channels = extent(coefficients, 1);
-    auto values = allocate<Real>({directions.shape(0), channels});
+    auto values = allocate<double>({directions.shape(0), channels});
     const auto in = view(coefficients);
     const auto at = vectors(directions);
     const auto out = view(values);
     const py::gil_scoped_release release;
-    shrm::evaluate<Real>(in, channels, F, at, out);
+    shrm::evaluate(in, channels, F, at, out);
     return values;
 }
 
@@ -137,14 +145,15 @@ void bind_sh(py::module_& module) {
     module.def("cube_synthesis", &cube_synthesis, py::kw_only(), "coefficients"_a.noconvert(), "N"_a);
     py::class_<AnalysisPlan>(module, "Analysis")
         .def(py::init(&analysis_plan), py::kw_only(), "H"_a, "W"_a, "channels"_a, "F"_a, "areas"_a)
-        .def("run", &AnalysisPlan::run, "from"_a.noconvert(), "to"_a.noconvert());
+        .def("run", &AnalysisPlan::run, "pixels"_a.noconvert(), "coefficients"_a.noconvert(), py::pos_only());
     py::class_<SynthesisPlan>(module, "Synthesis")
         .def(py::init(&synthesis_plan), py::kw_only(), "H"_a, "W"_a, "channels"_a, "F"_a)
-        .def("run", &SynthesisPlan::run, "from"_a.noconvert(), "to"_a.noconvert());
+        .def("run", &SynthesisPlan::run, "coefficients"_a.noconvert(), "rings"_a.noconvert(), py::pos_only());
     py::class_<CubeSynthesisPlan>(module, "CubeSynthesis")
         .def(py::init(&cube_synthesis_plan), py::kw_only(), "N"_a, "channels"_a, "F"_a)
-        .def("run", &CubeSynthesisPlan::run, "from"_a.noconvert(), "to"_a.noconvert());
-    module.def("evaluate", &evaluate<double>, py::kw_only(), "coefficients"_a.noconvert(),
+        .def("run", &CubeSynthesisPlan::run, "coefficients"_a.noconvert(), "rings"_a.noconvert(),
+             py::pos_only());
+    module.def("evaluate", &evaluate, py::kw_only(), "coefficients"_a.noconvert(),
                "directions"_a.noconvert());
     module.def(
         "fejer_weights",

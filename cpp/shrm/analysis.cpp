@@ -14,8 +14,6 @@
 namespace shrm {
 namespace {
 
-constexpr std::size_t largest_table = std::size_t(64) << 20;
-
 // Sums and differences of two rings, channel by channel: sum and difference (channels, W).
 inline void planes(const float* north, const float* south, int W, int channels, float* sum,
                    float* difference) {
@@ -120,7 +118,7 @@ Analysis::Analysis(int H, int W, int channels, int F, Texel texel, Tables tables
     }
     modes_.assign(size(F + 1) * size(4 * channels) * size(padded_), 0);
 
-    if (tables == Tables::kept && row_size(F + 1) * sizeof(float) <= largest_table) {
+    if (tables == Tables::kept && row_size(F + 1) * sizeof(float) <= largest_kept_table) {
         table_.resize(row_size(F + 1));
 #pragma omp parallel
         {
@@ -199,9 +197,10 @@ void Analysis::legendre_step(int m, Scratch& scratch, double* coefficients) {
         legendre_rows(m, scratch, scratch.legendre.data());
         rows = scratch.legendre.data();
     }
-    constexpr int I = 4;
+    constexpr int I = 4;  // degrees whose sums stay in registers
     for (int parity = 0; parity < 2; ++parity)
         for (int l0 = m + parity; l0 <= F_; l0 += 2 * I)
+            // modes two by two: the cosine's channels, then the sine's
             for (int z = 0; z < 2 * channels_; z += 2) {
                 const float* modes = &modes_[size(((m * 2 + parity) * 2) * channels_ + z) * size(padded_)];
                 const float* first = rows + size(l0 - m) * size(padded_);

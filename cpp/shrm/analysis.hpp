@@ -3,6 +3,7 @@
 // northern one, but for the sign (-1)^{l+m}: sums and differences of the two go through half the work.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -17,14 +18,17 @@ enum class Texel {
     area     // a constant over its area: the exact integral of Y_lm over each texel
 };
 
-// Whether tables are made once and kept, or made each time they are needed. Those over 64 MiB never are kept.
+// Whether the table of f_lm is made once and kept, for repeated runs, or order by order on the way, for a
+// single one. A larger table is never kept: a plan's memory has a bound.
 enum class Tables { kept, transient };
+inline constexpr std::size_t largest_kept_table = std::size_t(64) << 20;  // bytes
 
 // Weights w_i of Fejer's first rule at theta_i = (i + 1/2) pi / H: sum_i w_i g(theta_i) is the integral
 // of g(theta) sin(theta) over [0, pi], exact for polynomials in cos(theta) of degree below H [W06].
 std::vector<double> fejer_weights(int H);
 
-// All that depends on the sizes alone, and the memory to work in: repeated runs allocate nothing.
+// All that depends on the sizes alone, and the memory to work in: repeated runs allocate nothing, and go one
+// after the other.
 class Analysis {
   public:
     Analysis(int H, int W, int channels, int F, Texel texel, Tables tables);
@@ -35,8 +39,9 @@ class Analysis {
 
   private:
     struct Scratch {
-        std::vector<float> planar, folded, modes, legendre;
-        std::vector<double> f, previous, row;
+        std::vector<float> planar, folded, modes;  // rows (pair, sum | difference, channel) of RingFourier
+        std::vector<float> legendre;               // legendre_rows of one order, if not kept
+        std::vector<double> f, previous, row;      // of the recurrence
     };
     void fourier_step(const float* pixels, int first_ring, Scratch& scratch);
     void legendre_rows(int m, Scratch& scratch, float* rows) const;
@@ -45,7 +50,7 @@ class Analysis {
 
     int H_, W_, channels_, F_;
     int rings_, padded_;  // northern rings; rounded up to whole vectors
-    int pairs_;           // ring pairs that are folded at once
+    int pairs_;           // of rings that are folded at once: as few as fill whole blocks of rows
     int nodes_;           // of the quadrature in theta, to a ring
     RingFourier fourier_;
     LegendreRecurrence recurrence_;

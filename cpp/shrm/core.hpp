@@ -64,18 +64,29 @@
 //   grid            area-exact conversion from one picture to another
 //   legendre        f_lm, the theta part of Y_lm, by recurrence
 //   ring_fourier    the phi part: Fourier transforms of the rings of a picture
-//   sh              analysis, synthesis and evaluation of spherical harmonics
-//   wigner          small-d recurrences, rotation in frequency space, Clebsch-Gordan
-//   brdf_analysis   the transfer function's coefficients rho_lpq
-//   reflection_map  the spherical harmonic reflection map: its coefficients and its maps
-//   radiance        looking a reflection map up: per pixel, or for one view
-//   angular         direct integration over lobes; shares no code with sh, to judge it. Its parts:
+//   analysis        light: from a lat-long picture to coefficients L_lm
+//   wigner          small-d recurrences, Clebsch-Gordan
+//   rotation        rotation of coefficients
+//   brdf_analysis   material: the transfer function's coefficients rho_lpq
+//   map_coefficients  the product of both: the coefficients of the reflection map's own maps
+//   synthesis       from coefficients to maps, on a lat-long grid
+//   cube_synthesis  on a cube
+//   evaluation      at any directions
+//   reflection_map  the paper's way to the same maps: the local form, rotated texel by texel
+//   half            maps as half floats
+//   view_harmonics  the basis of the view at one direction
+//   view_map        all central directions under one view: the dynamic reflection map
+//   radiance        looking a reflection map up, point by point
+//   explicit_maps   the dynamic maps of many views at once
+//   angular         direct integration over lobes; shares no code with the above, to judge it. Its parts:
 //                   texels   the nodes of a picture's texels, and which of them a lobe visits
 //                   lanes    vectors of the instruction set, and sums in them
 //                   profile  a radial profile in lanes, and the innermost loops
 //                   caps     what a lobe that is cut at the horizon visits
 //                   queries  planes of the picture; threads
 //                   radial, half_angle, zonal, isotropic   the kinds of lobe
+//   simd            vectors of the instruction set that a file is compiled for
+//   trigonometry    sines and arc tangents of eight angles at once
 #pragma once
 
 #include <cstddef>

@@ -14,8 +14,9 @@
 
 namespace shrm {
 
-// What depends on the sizes alone, and the memory to work in: repeated runs allocate nothing. The basis is
-// made anew for a few texels at a time: a table of it would take as long to read.
+// What depends on the sizes alone, and the memory to work in: repeated runs allocate nothing, and go one
+// after the other. The basis is made anew for a few texels at a time: a table of it would take as long to
+// read.
 class CubeSynthesis {
   public:
     // Faces of N x N texels, N even, with the border of radiance.hpp.
@@ -33,7 +34,8 @@ class CubeSynthesis {
         std::array<int, classes> row, column, step;  // by the signs of the direction; step is 1 or -1
     };
     struct Scratch {
-        std::vector<float> basis, sums;
+        std::vector<float> basis;  // (term, texel of the task)
+        std::vector<float> sums;   // (class, channel of the block, texel)
     };
     void basis(std::size_t task, float* values) const;
     void store_images(std::size_t task, int channel, int channels, const float* sums, float* rings) const;
@@ -45,7 +47,7 @@ class CubeSynthesis {
     std::vector<glm::dvec3> directions_;               // of the octant's texels, rounded up to whole tasks
     std::vector<std::vector<Segment>> segments_;       // of each task
     std::vector<float> ordered_;                       // coefficients (term, channel)
-    std::vector<Scratch> scratch_;
+    std::vector<Scratch> scratch_;                     // one for each thread
 };
 
 }  // namespace shrm

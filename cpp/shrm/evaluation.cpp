@@ -19,9 +19,8 @@ constexpr double real_norm(int m) {
 constexpr int block = 8;
 
 // The real basis at up to 8 directions, ((F+1)^2, 8).
-template <class Real>
 void basis_block(const glm::dvec3* directions, int count, int F, const LegendreRecurrence& recurrence,
-                 Real* basis) {
+                 double* basis) {
     double x[block], sine[block], cos1[block], sin1[block], cosm[block], sinm[block];
     for (int n = 0; n < block; ++n) {
         const glm::dvec3 d = directions[std::min(n, count - 1)];
@@ -36,10 +35,10 @@ void basis_block(const glm::dvec3* directions, int count, int F, const LegendreR
         double f[block], previous[block] = {};
         for (int n = 0; n < block; ++n) f[n] = real_norm(m) * recurrence.start(m) * power(sine[n], m);
         for (int l = m; l <= F; ++l) {
-            Real* cosines = basis + lm(l, m) * block;
-            Real* sines = basis + lm(l, -m) * block;
-            for (int n = 0; n < block; ++n) sines[n] = static_cast<Real>(f[n] * sinm[n]);
-            for (int n = 0; n < block; ++n) cosines[n] = static_cast<Real>(f[n] * cosm[n]);  // m = 0: last
+            double* cosines = basis + lm(l, m) * block;
+            double* sines = basis + lm(l, -m) * block;
+            for (int n = 0; n < block; ++n) sines[n] = f[n] * sinm[n];
+            for (int n = 0; n < block; ++n) cosines[n] = f[n] * cosm[n];  // m = 0: last
             const auto [a, b] = recurrence.steps(m)[l - m];
             for (int n = 0; n < block; ++n) {
                 const double next = a * x[n] * f[n] - b * previous[n];
@@ -57,11 +56,10 @@ void basis_block(const glm::dvec3* directions, int count, int F, const LegendreR
 
 // values(n, c) = sum over k of basis(k, n) coefficients(k, c), coefficients ((F+1)^2, channels rounded up to
 // 8).
-template <class Real>
-void basis_product(const Real* basis, const Real* coefficients, std::size_t terms, int channels, int count,
-                   Real* values) {
-    typedef Real pack __attribute__((vector_size(block * sizeof(Real))));
-    typedef Real packu __attribute__((vector_size(block * sizeof(Real)), aligned(sizeof(Real))));
+void basis_product(const double* basis, const double* coefficients, std::size_t terms, int channels,
+                   int count, double* values) {
+    typedef double pack __attribute__((vector_size(block * sizeof(double))));
+    typedef double packu __attribute__((vector_size(block * sizeof(double)), aligned(sizeof(double))));
     const std::size_t stride = size(round_up(channels, block));
     for (int c0 = 0; c0 < channels; c0 += block) {
         pack sums[block] = {};
@@ -77,30 +75,25 @@ void basis_product(const Real* basis, const Real* coefficients, std::size_t term
 
 }  // namespace
 
-template <class Real>
 void evaluate(std::span<const double> coefficients, int channels, int F,
-              std::span<const glm::dvec3> directions, std::span<Real> values) {
+              std::span<const glm::dvec3> directions, std::span<double> values) {
     const LegendreRecurrence recurrence(F);
     const std::size_t terms = basis_size(F), stride = size(round_up(channels, block));
-    std::vector<Real> padded(terms * stride, Real(0));
+    std::vector<double> padded(terms * stride, 0.);
     for (std::size_t k = 0; k < terms; ++k)
         for (std::size_t c = 0; c < size(channels); ++c)
-            padded[k * stride + c] = static_cast<Real>(coefficients[k * size(channels) + c]);
+            padded[k * stride + c] = coefficients[k * size(channels) + c];
     const auto n = static_cast<std::ptrdiff_t>(directions.size());
 #pragma omp parallel
     {
-        std::vector<Real> basis(terms * block);
+        std::vector<double> basis(terms * block);
 #pragma omp for schedule(static)
         for (std::ptrdiff_t i = 0; i < n; i += block) {
             const int count = static_cast<int>(std::min<std::ptrdiff_t>(block, n - i));
-            basis_block<Real>(directions.data() + i, count, F, recurrence, basis.data());
-            basis_product<Real>(basis.data(), padded.data(), terms, channels, count,
-                                values.data() + i * channels);
+            basis_block(directions.data() + i, count, F, recurrence, basis.data());
+            basis_product(basis.data(), padded.data(), terms, channels, count, values.data() + i * channels);
         }
     }
 }
-
-template void evaluate(std::span<const double>, int, int, std::span<const glm::dvec3>, std::span<float>);
-template void evaluate(std::span<const double>, int, int, std::span<const glm::dvec3>, std::span<double>);
 
 }  // namespace shrm

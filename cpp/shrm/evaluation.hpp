@@ -8,10 +8,9 @@
 
 namespace shrm {
 
-// Values at n unit directions; Real is float (maps) or double (the public evaluation).
+// Values at n unit directions.
 //   coefficients ((F+1)^2, channels), values (n, channels)
-template <class Real>
 void evaluate(std::span<const double> coefficients, int channels, int F,
-              std::span<const glm::dvec3> directions, std::span<Real> values);
+              std::span<const glm::dvec3> directions, std::span<double> values);
 
 }  // namespace shrm

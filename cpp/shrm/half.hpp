@@ -1,5 +1,6 @@
-// IEEE half floats: 11 bits, 6e-8 to 65504. A map of halves takes half the memory, and half the
-// time where memory is the limit.
+// IEEE half floats: a sign, 5 bits of exponent, 10 of fraction. They keep 11 bits of a number between 6.1e-5
+// and 65504, and fewer down to 6e-8. A map of halves takes half the memory, and half the time where memory is
+// the limit.
 #pragma once
 
 #include <bit>
@@ -17,27 +18,33 @@ using Half = std::uint16_t;
 
 inline float float_from(Half h) {
     const std::uint32_t magnitude = h & 0x7fffu, sign = std::uint32_t(h & 0x8000u) << 16;
-    // The exponent's bias goes from 15 to 127 by a product, which makes subnormal numbers right too.
+    // The exponent's bias goes from 15 to 127 by a product, which makes subnormal numbers right too; the
+    // exponent of infinity and NaN goes on to all ones.
     const float value = std::bit_cast<float>(magnitude << 13) * 0x1p112f;
-    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) | sign);
+    const std::uint32_t beyond = magnitude >= 0x7c00u ? 0x7f800000u : 0u;
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) | beyond | sign);
 }
 
 inline float float_from(float value) {
     return value;
 }
 
-// To the nearest, ties to even.
+// To the nearest, ties to even; from 65520 on infinity, and NaN stays NaN, as the processor's own conversion
+// has it.
 inline Half half_from(float value) {
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(value), sign = bits >> 16 & 0x8000u;
-    const float magnitude = std::bit_cast<float>(bits & 0x7fffffffu);
+    const std::uint32_t magnitude_bits = bits & 0x7fffffffu;
+    const float magnitude = std::bit_cast<float>(magnitude_bits);
     if (!(magnitude < 65520.f)) return static_cast<Half>(sign | (magnitude > 0 ? 0x7c00u : 0x7e00u));
     if (magnitude < 0x1p-14f) {
-        // Subnormal: the sum's last bit is that of the half.
+        // Subnormal: one half's last bit, 2^-24, is that of 1/2 as a float, so that the sum rounds there.
         const std::uint32_t sum = std::bit_cast<std::uint32_t>(magnitude + 0.5f);
         return static_cast<Half>(sign | (sum - std::bit_cast<std::uint32_t>(0.5f)));
     }
-    const std::uint32_t m = bits & 0x7fffffffu;
-    return static_cast<Half>(sign | ((m - (112u << 23) + 0xfffu + (m >> 13 & 1u)) >> 13));
+    // 13 bits go. Adding half of the last bit kept, less one if that bit is 0, rounds to the nearest, ties to
+    // even. The exponent's bias goes from 127 to 15.
+    const std::uint32_t carry = 0xfffu + (magnitude_bits >> 13 & 1u);
+    return static_cast<Half>(sign | ((magnitude_bits - (112u << 23) + carry) >> 13));
 }
 
 inline Floats load(const Half* from) {

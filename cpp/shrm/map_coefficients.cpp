@@ -27,7 +27,8 @@ void MapCoefficients::couple() {
     for (int j = 0; j <= degree(); ++j)
         for (int p = std::max(0, j - F_); p <= P_; ++p) {
             const std::size_t first_shape = shapes_.size();
-            // odd l + p - j cancels between s and -s
+            // For odd l + p - j the terms of s and -s cancel: <l -s p s | j 0> = (-1)^{l+p-j} <l s p -s | j
+            // 0>.
             for (int l = std::abs(j - p); l <= std::min(F_, j + p); l += 2) {
                 shapes_.push_back({p, l, factors});
                 factors += size(std::min(l, p)) + 1;
@@ -85,7 +86,7 @@ void MapCoefficients::set_material(std::span<const double> rho) {
 }
 
 // The coefficients of one degree j of all maps.
-void MapCoefficients::order(int j, double* b, double* coefficients) const {
+void MapCoefficients::sum_degree(int j, double* b, double* coefficients) const {
     const std::size_t width = size(2 * j + 1), maps = size(this->maps()), n = size(channels_);
     for (const auto& [p, q, terms] : maps_[size(j)]) {
         std::fill_n(b, 2 * n * width, 0.);
@@ -155,7 +156,7 @@ void MapCoefficients::run(std::span<const double> light, std::span<double> coeff
             // Maps of small p have no degree j > F + p.
             std::fill_n(&coefficients[size(j * j) * size(maps()) * n], size(2 * j + 1) * size(maps()) * n,
                         0.);
-            order(j, b.data(), coefficients.data());
+            sum_degree(j, b.data(), coefficients.data());
         }
     }
 }

@@ -16,7 +16,8 @@
 
 namespace shrm {
 
-// The couplings, which depend on the orders alone, and the memory to work in: repeated runs allocate nothing.
+// The couplings, which depend on the orders alone, and the memory to work in: repeated runs allocate nothing,
+// and go one after the other.
 class MapCoefficients {
   public:
     MapCoefficients(int F, int P, int channels, bool zonal);
@@ -32,28 +33,30 @@ class MapCoefficients {
     int maps() const { return zonal_ ? P_ + 1 : (P_ + 1) * (P_ + 1); }
 
   private:
-    // One l in the sum for b^pq_jk, k = first ... first + count - 1.
+    // One l in the sums for b^pq_jk, k = first ... first + count - 1, |k| <= j and |k + q| <= l.
     struct Term {
         int l, first, count;
-        std::size_t coupling, shape;
+        std::size_t coupling, shape;  // where count couplings begin, and the shape of (p, l, j)
     };
+    // The map of (p, q), q >= 0, at one degree j; q and -q come from the same sum.
     struct Map {
         int p, q;
         std::vector<Term> terms;
     };
+    // What material and degrees contribute, the same for all q and k.
     struct Shape {
         int p, l;
         std::size_t first;  // of min(l, p) + 1 factors, for rho_lps
     };
     void couple();
-    void order(int j, double* b, double* coefficients) const;
+    void sum_degree(int j, double* b, double* coefficients) const;
 
     int F_, P_, channels_;
     bool zonal_;
     std::vector<std::vector<Map>> maps_;  // by j
-    std::vector<double> coupling_;
+    std::vector<double> coupling_;        // (-1)^q <l k+q p -q | j k>
     std::vector<Shape> shapes_;
-    std::vector<double> shape_factor_;
+    std::vector<double> shape_factor_;    // of rho_lps: the terms of s and -s together
     std::vector<double> shape_;           // (shape, channels); zonal: (l, p, channels)
     std::vector<double> light_;           // complex L_lm: (l, channel, re | im, m = -l..l)
     std::vector<std::vector<double>> b_;  // one for each thread: (channel, re | im, k = -j..j)

@@ -11,21 +11,21 @@
 namespace shrm {
 namespace {
 
-constexpr std::size_t largest_table = std::size_t(64) << 20;
-constexpr int rings_at_once = 4;
+// Northern rings whose Legendre sums are made together.
+constexpr int ring_block = 4;
 
-// For 4 rings and V vectors of channels: the sum over l of rows(l - m, ring) ordered(l - m). The northern
-// modes are the even degrees plus the odd ones, the southern ones their difference:
-// f_lm(pi - theta) = (-1)^{l+m} f_lm(theta).
+// For the rings of a block and V vectors of channels: the sum over l of rows(l - m, ring) ordered(l - m). The
+// northern modes are the even degrees plus the odd ones, the southern ones their difference: f_lm(pi - theta)
+// = (-1)^{l+m} f_lm(theta).
 template <int V>
 SHRM_KERNEL inline void legendre_product(const float* rows, const float* ordered, int degrees, int stride,
                                          float* north, float* south, std::size_t ring) {
-    Floats sums[2][rings_at_once][V] = {};
+    Floats sums[2][ring_block][V] = {};
     const auto add = [&](auto parity, int i) {
         unrolled<V>([&](auto v) {
             Floats c = load(ordered + i * stride + v * lanes);
             keep(c);
-            unrolled<rings_at_once>([&](auto b) { sums[parity][b][v] += rows[i * rings_at_once + b] * c; });
+            unrolled<ring_block>([&](auto b) { sums[parity][b][v] += rows[i * ring_block + b] * c; });
         });
     };
     const std::integral_constant<int, 0> even;
@@ -36,7 +36,7 @@ SHRM_KERNEL inline void legendre_product(const float* rows, const float* ordered
         add(odd, i + 1);
     }
     if (i < degrees) add(even, i);
-    unrolled<rings_at_once>([&](auto b) {
+    unrolled<ring_block>([&](auto b) {
         unrolled<V>([&](auto v) {
             store(north + size(b) * ring + v * lanes, sums[0][b][v] + sums[1][b][v]);
             store(south + size(b) * ring + v * lanes, sums[0][b][v] - sums[1][b][v]);
@@ -56,9 +56,8 @@ Synthesis::Synthesis(int H, int W, int channels, int F, Tables tables)
       fourier_(W, F),
       recurrence_(F),
       ordered_(degrees_below(F + 1) * size(stride_), 0.f) {
-    static_assert(ring_block == rings_at_once);
     const std::size_t block_size = degrees_below(F + 1) * ring_block;
-    if (tables == Tables::kept && size(blocks_) * block_size * sizeof(float) <= largest_table) {
+    if (tables == Tables::kept && size(blocks_) * block_size * sizeof(float) <= largest_kept_table) {
         table_.resize(size(blocks_) * block_size);
 #pragma omp parallel for schedule(static)
         for (int block = 0; block < blocks_; ++block)
@@ -71,8 +70,8 @@ std::size_t Synthesis::degrees_below(int m) const {
     return size(m) * size(2 * F_ + 3 - m) / 2;
 }
 
-// The coefficients of one order, with the norm of the real basis.
-void Synthesis::order(int m, const double* coefficients) {
+// The coefficients of one order side by side, degree by degree, with the norm of the real basis.
+void Synthesis::gather(int m, const double* coefficients) {
     const double norm = m ? std::numbers::sqrt2 : 1;
     float* to = &ordered_[degrees_below(m) * size(stride_)];
     for (int l = m; l <= F_; ++l, to += stride_) {
@@ -133,7 +132,7 @@ void Synthesis::run(std::span<const double> coefficients, std::span<float> rings
 #pragma omp parallel
     {
 #pragma omp for schedule(static, 1)
-        for (int m = 0; m <= F_; ++m) order(m, coefficients.data());
+        for (int m = 0; m <= F_; ++m) gather(m, coefficients.data());
         Scratch& scratch = scratch_[size(omp_get_thread_num())];
 #pragma omp for schedule(static)
         for (int block = 0; block < blocks_; ++block) {

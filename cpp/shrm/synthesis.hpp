@@ -12,7 +12,8 @@
 
 namespace shrm {
 
-// All that depends on the sizes alone, and the memory to work in: repeated runs allocate nothing.
+// All that depends on the sizes alone, and the memory to work in: repeated runs allocate nothing, and go one
+// after the other.
 class Synthesis {
   public:
     Synthesis(int H, int W, int channels, int F, Tables tables);
@@ -22,11 +23,11 @@ class Synthesis {
     void run(std::span<const double> coefficients, std::span<float> rings);
 
   private:
-    static constexpr int ring_block = 4;
     struct Scratch {
-        std::vector<float> modes, legendre;
+        std::vector<float> modes;     // (north | south, ring of the block, m, stride)
+        std::vector<float> legendre;  // legendre_rows of one order, if not kept
     };
-    void order(int m, const double* coefficients);
+    void gather(int m, const double* coefficients);
     void legendre_rows(int block, int m, float* rows) const;
     void legendre_step(int block, Scratch& scratch) const;
     std::size_t degrees_below(int m) const;  // (l, m) of all orders below m
@@ -36,9 +37,9 @@ class Synthesis {
     int stride_;  // the cosine's and the sine's channels, rounded up to whole vectors
     RingFourier fourier_;
     LegendreRecurrence recurrence_;
-    std::vector<float> table_;    // legendre_rows of all blocks and orders, if kept
-    std::vector<float> ordered_;  // the coefficients (m, l, stride)
-    std::vector<Scratch> scratch_;
+    std::vector<float> table_;      // legendre_rows of all blocks and orders, if kept
+    std::vector<float> ordered_;    // the coefficients (m, l, cosine's channels | sine's | padding)
+    std::vector<Scratch> scratch_;  // one for each thread
 };
 
 }  // namespace shrm

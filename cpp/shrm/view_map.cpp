@@ -1,5 +1,7 @@
 #include "shrm/view_map.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -21,7 +23,7 @@ glm::dvec3 texel_direction(const ReflectionMapView& map, int row, int column) {
     return glm::normalize(cube_direction(row / map.W, centred(column), centred(row % map.W)));
 }
 
-// A weight for each map, or, if zonal, for each map and texel.
+// Y_pq(V), one for each map; or, if zonal, Y_p0(C.V), one for each map and texel of a row.
 struct Weights {
     const float* values;
     std::ptrdiff_t stride;  // from map to map if zonal
@@ -117,6 +119,23 @@ void to_half(std::span<const float> rings, std::span<std::uint16_t> halves) {
     for (std::ptrdiff_t i = 0; i < whole; i += lanes)
         store(&halves[std::size_t(i)], load(&rings[std::size_t(i)]));
     for (std::ptrdiff_t i = whole; i < n; ++i) halves[std::size_t(i)] = half_from(rings[std::size_t(i)]);
+}
+
+float largest_magnitude(std::span<const float> rings) {
+    const auto n = static_cast<std::ptrdiff_t>(rings.size()), whole = n / lanes * lanes;
+    float largest = 0;
+#pragma omp parallel reduction(max : largest)
+    {
+        Floats most = {};
+#pragma omp for schedule(static)
+        for (std::ptrdiff_t i = 0; i < whole; i += lanes) {
+            const Floats v = load(&rings[std::size_t(i)]), magnitude = v < 0 ? -v : v;
+            most = magnitude > most ? magnitude : most;  // NaN never is
+        }
+        for (int i = 0; i < lanes; ++i) largest = std::max(largest, most[i]);
+    }
+    for (std::ptrdiff_t i = whole; i < n; ++i) largest = std::max(largest, std::abs(rings[std::size_t(i)]));
+    return largest;
 }
 
 }  // namespace shrm

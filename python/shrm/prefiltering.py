@@ -94,7 +94,7 @@ def prefilter(
         Set negative radiance to zero when the map is read.
     half : bool
         Keep the maps as half floats: half the memory, half the time of `at_view`, 5e-4 of relative rounding.
-        Coefficients and files stay in full precision.
+        The coefficients stay in full precision; files hold the rounded maps as 32-bit floats.
 
     Returns
     -------
@@ -108,7 +108,8 @@ def prefilter(
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type or out of its range, or the maps would take more than 4 GiB.
+        If an argument is of another type or out of its range, the maps would take more than 4 GiB, or, as
+        half floats, hold values beyond 65504.
     """
     if not isinstance(env, Environment):
         raise TypeError(f"env must be an Environment, got {type(env).__name__}")

@@ -29,7 +29,7 @@ import numpy.typing as npt
 from shrm import _core
 from shrm.brdf.lobe import Center
 from shrm.sh import basis_size, degree_of
-from shrm.validation import one_of, unit_vectors
+from shrm.validation import one_of, require_array, unit_vectors
 
 FloatArray = npt.NDArray[np.float64]
 Float16Array = npt.NDArray[np.float16]
@@ -138,7 +138,7 @@ class Part:
         """Return the radiance from cubic look-ups in the maps at central directions; (n, 3)."""
         radiance = np.zeros(C.shape, dtype=np.float32)
         _core.add_radiance(
-            rings=self.rings,
+            rings=self.rings.astype(np.float32, copy=False),
             cube=self.layout == "cube",
             zonal=self.zonal,
             centre="tangent",  # the axis is C itself
@@ -193,10 +193,13 @@ class Part:
         ValueError
             If a value is beyond 65504, the largest of them.
         """
-        largest = float(np.abs(self.rings).max())
-        if largest > float(np.finfo(np.float16).max):
-            raise ValueError(f"half floats end at 65504, and the maps reach {largest:.3g}: use half=False")
-        return replace(self, rings=self.rings.astype(np.float16))
+        if self.rings.dtype == np.float16:
+            return self
+        rings = self.rings.astype(np.float32, copy=False)
+        require_half_range(rings)
+        halves = np.empty(rings.shape, dtype=np.float16)
+        _core.to_half(rings, halves)
+        return replace(self, rings=halves)
 
     def resized(self, size: int, layout: Layout) -> Part:
         """Return the same lobe on another grid, made from its coefficients.
@@ -204,6 +207,13 @@ class Part:
         `size` is the rows of a lat-long map, or of a cube's face.
         """
         return replace(self, layout=layout, rings=synthesised(self.coefficients, size, layout))
+
+
+def require_half_range(rings: Float32Array) -> None:
+    """Raise ValueError if maps hold values that half floats do not reach."""
+    largest = _core.largest_magnitude(rings)
+    if largest > float(np.finfo(np.float16).max):
+        raise ValueError(f"half floats end at 65504, and the maps reach {largest:.3g}: use half=False")
 
 
 def synthesised(coefficients: FloatArray, size: int, layout: Layout) -> Float32Array:
@@ -339,7 +349,7 @@ class ReflectionMap:
         view : (3,) array_like
             Unit vector towards the eye.
         out : float32 array, optional
-            Takes the map of a material of one lobe, in C order.
+            Takes the map of a material of one lobe, of the shape returned, in C order.
 
         Returns
         -------
@@ -350,7 +360,8 @@ class ReflectionMap:
         Raises
         ------
         ValueError, TypeError
-            If view is not a unit vector, or out does not fit.
+            If view is not a unit vector, or out has another shape, type or order, or the material more than
+            one lobe.
         """
         V = unit_vectors("view", view, 1)
         if out is not None and len(self.parts) > 1:
@@ -364,6 +375,8 @@ class ReflectionMap:
                 name = "lobe" if lobes == 1 else f"lobe {lobes}"
             N = part.size
             shape = (6, N, N, 3) if part.layout == "cube" else (*part.rings.shape[::3], 3)
+            if out is not None:
+                require_array("out", out, shape, np.float32, writeable=True)
             pixels = np.empty(shape, dtype=np.float32) if out is None else out
             _core.view_map(
                 rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V, pixels=pixels

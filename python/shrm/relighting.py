@@ -23,7 +23,14 @@ from shrm.brdf_analysis import LobeAnalysis
 from shrm.environment import Environment
 from shrm.orders import F_MAX, P_MAX, Criterion, analysed, analysis_degree
 from shrm.prefiltering import Window, predicted_error, prefilter, windowed
-from shrm.reflection_map import Layout, Part, ReflectionMap
+from shrm.reflection_map import (
+    Float16Array,
+    Float32Array,
+    Layout,
+    Part,
+    ReflectionMap,
+    require_half_range,
+)
 from shrm.validation import rotation as checked_rotation
 
 FloatArray = npt.NDArray[np.float64]
@@ -44,8 +51,12 @@ class Prefilter:
     Attributes
     ----------
     map : ReflectionMap
-        The reflection map of the last update. Its maps are this object's memory: the next update overwrites
-        them. `error` is predicted for the light and material it was made from.
+        The reflection map of the last update. What updates return shares this object's memory: the next one
+        overwrites the maps. `error` is predicted for the light and material it was made from.
+
+    Notes
+    -----
+    One thread at a time may update it.
 
     Raises
     ------
@@ -96,8 +107,8 @@ class Prefilter:
             half=half,
         )
         self._env = env
-        self._brdf = brdf
         self._center = center
+        self._material = brdf if center is None else brdf.recentred(center)
         self._criterion: Criterion = criterion
         self._window: Window | None = window
         self._F_max = F_max
@@ -106,9 +117,10 @@ class Prefilter:
         H, W, _ = env.pixels.shape
         self._analysis = sh.Plan(H, W, self.map.F, areas=True)
         self._light = env.coefficients(self.map.F).copy()
+        self._next_light = np.empty_like(self._light)
         self._rotation: FloatArray | None = None
-        self._turn = _core.Rotation(F=self.map.F, channels=3)
-        self._turned = np.empty_like(self._light)
+        self._rotate = _core.Rotation(F=self.map.F, channels=3)
+        self._rotated = np.empty_like(self._light)
         self._plans = [_LobePlan(part) for part in self.map.parts]
 
     def update(
@@ -138,93 +150,107 @@ class Prefilter:
         Raises
         ------
         TypeError, ValueError
-            If the light has another size, R is no rotation, or the material has other lobes. The map stays as
-            it was.
+            If the light has another size, R is no rotation, the material has other lobes, or half floats do
+            not reach the values of the new maps. The map stays as it was.
         """
         if env is not None and not isinstance(env, Environment):
             raise TypeError(f"env must be an Environment, got {type(env).__name__}")
         if env is not None and env.pixels.shape != self._env.pixels.shape:
             raise ValueError(f"env must have the shape {self._env.pixels.shape}, got {env.pixels.shape}")
-        turn = None if rotation is None else checked_rotation("rotation", rotation)
-        lobes = None if brdf is None else self._lobes_of(brdf)
+        R = self._rotation if env is None else None
+        if rotation is not None:
+            R = checked_rotation("rotation", rotation).copy()
+        material = self._material if brdf is None else self._of_the_same_kind(brdf)
 
-        if env is not None:
-            self._analysis.analysis(env.pixels, out=self._light)
-            self._env, self._rotation = env, None
-        if turn is not None:
-            self._rotation = turn
-        if brdf is not None and lobes is not None:
-            self._brdf = brdf
-            for plan, lobe in zip(self._plans, lobes, strict=True):
-                plan.set_material(lobe, self._window)
         light = self._light
-        if self._rotation is not None:
-            self._turn.run(self._light, self._rotation, self._turned)
-            light = self._turned
-        parts = tuple(plan.run(light) for plan in self._plans)
-        predict = partial(
-            predicted_error,
-            self._env,
-            self._material(),
-            parts,
-            self._criterion,
-            self._window,
-            self._F_max,
+        if env is not None:
+            light = self._analysis.analysis(env.pixels, out=self._next_light)
+        rotated = light
+        if R is not None:
+            self._rotate.run(light, R, self._rotated)
+            rotated = self._rotated
+        tables = [(plan.part.gamma, plan.part.rho) for plan in self._plans]
+        if brdf is not None:
+            lobes = analysed(material, *self._analysed)
+            pairs = zip(self._plans, lobes, strict=True)
+            tables = [plan.tables_of(lobe, self._window) for plan, lobe in pairs]
+        for plan, (_, rho) in zip(self._plans, tables, strict=True):
+            plan.compute(rotated, rho)
+
+        # Nothing is refused any more.
+        if env is not None:
+            self._env, self._light, self._next_light = env, light, self._light
+        self._rotation, self._material = R, material
+        parts = tuple(
+            plan.keep(rotated, gamma, rho) for plan, (gamma, rho) in zip(self._plans, tables, strict=True)
         )
-        self.map = replace(self.map, parts=parts, brdf=self._brdf.name, predict=predict)
+        predict = partial(
+            predicted_error, self._env, material, parts, self._criterion, self._window, self._F_max
+        )
+        self.map = replace(self.map, parts=parts, brdf=material.name, predict=predict)
         return self.map
 
-    def _material(self) -> BRDF:
-        return self._brdf if self._center is None else self._brdf.recentred(self._center)
-
-    def _lobes_of(self, brdf: BRDF) -> tuple[LobeAnalysis, ...]:
-        """Analyse another material; ValueError if its lobes are of other kinds."""
+    def _of_the_same_kind(self, brdf: BRDF) -> BRDF:
+        """Return another material about this one's centres; ValueError if its lobes are of other kinds."""
         if not isinstance(brdf, BRDF):
             raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
-        lobes = analysed(brdf if self._center is None else brdf.recentred(self._center), *self._analysed)
-        kinds = [(lobe.center, lobe.kind != "isotropic", lobe.kind == "radial") for lobe in lobes]
-        wanted = [(plan.part.center, plan.part.zonal, plan.radial) for plan in self._plans]
-        if kinds != wanted:
-            raise ValueError(f"brdf must have lobes as {self._brdf.name} has, got {brdf.name}")
-        return lobes
+        material = brdf if self._center is None else brdf.recentred(self._center)
+        kinds = [(type(lobe), lobe.center) for lobe in material.lobes]
+        if kinds != [(type(lobe), lobe.center) for lobe in self._material.lobes]:
+            raise ValueError(f"brdf must have lobes as those of {self._material!r}, got {material!r}")
+        return material
 
 
 class _LobePlan:
-    """The maps of one lobe, in memory that is used again."""
+    """The maps of one lobe, in memory that is used again.
+
+    An update computes the maps of all lobes, then keeps them; what is refused is refused in between, and
+    maps that are kept as half floats are still the last ones.
+
+    Attributes
+    ----------
+    part : Part
+        What was kept last.
+    """
 
     def __init__(self, part: Part) -> None:
         self.part = part
-        maps, count = part.rings.shape[1], 3 * part.rings.shape[1]
-        self.radial = part.zonal and maps == 1
-        self._product = _core.MapCoefficients(F=part.F, P=part.P, channels=3, zonal=part.zonal)
-        self._product.set_material(part.rho)
+        H, maps, _, W = part.rings.shape
         J = part.F if part.zonal else part.F + part.P
+        self._product = _core.MapCoefficients(F=part.F, P=part.P, channels=3, zonal=part.zonal)
+        self._rho: FloatArray | None = None  # what _product holds
         self._coefficients = np.empty((sh.basis_size(J), maps, 3))
-        H, _, _, W = part.rings.shape
         self._synthesis: _core.CubeSynthesis | _core.Synthesis
         if part.layout == "cube":
-            self._synthesis = _core.CubeSynthesis(N=part.size, channels=count, F=J)
+            self._synthesis = _core.CubeSynthesis(N=part.size, channels=3 * maps, F=J)
         else:
-            self._synthesis = _core.Synthesis(H=H, W=W, channels=count, F=J)
+            self._synthesis = _core.Synthesis(H=H, W=W, channels=3 * maps, F=J)
         self._rings = np.empty((H, maps, 3, W), dtype=np.float32)
         half = part.rings.dtype == np.float16
         self._halves = np.empty(part.rings.shape, dtype=np.float16) if half else None
 
-    def set_material(self, lobe: LobeAnalysis, window: Window | None) -> None:
-        """Take another lobe of the same kind."""
-        rho = windowed(lobe, self.part.F, self.part.P, window)
-        self._product.set_material(rho)
-        self.part = replace(self.part, gamma=lobe.gamma, rho=rho)
+    def tables_of(self, lobe: LobeAnalysis, window: Window | None) -> tuple[FloatArray, FloatArray]:
+        """Return gamma and rho of another lobe of the same kind."""
+        return lobe.gamma, windowed(lobe, self.part.F, self.part.P, window)
 
-    def run(self, light: FloatArray) -> Part:
-        """Make the maps for light of degree F or more."""
+    def compute(self, light: FloatArray, rho: FloatArray) -> None:
+        """Make the maps for light of degree F or more; ValueError if half floats do not reach them."""
+        if rho is not self._rho:
+            self._product.set_material(rho)
+            self._rho = rho
+        self._product.run(light[: sh.basis_size(self.part.F)], self._coefficients)
         H, maps, _, W = self._rings.shape
-        own_light = light[: sh.basis_size(self.part.F)].copy()
-        self._product.run(own_light, self._coefficients)
-        flat = self._coefficients.reshape(len(self._coefficients), -1)
+        flat = self._coefficients.reshape(len(self._coefficients), 3 * maps)
         self._synthesis.run(flat, self._rings.reshape(H, 3 * maps, W))
         if self._halves is not None:
+            require_half_range(self._rings)
+
+    def keep(self, light: FloatArray, gamma: FloatArray, rho: FloatArray) -> Part:
+        """Return the maps computed, with what they were computed from."""
+        rings: Float32Array | Float16Array = self._rings
+        if self._halves is not None:
             _core.to_half(self._rings, self._halves)
-        rings = self._rings if self._halves is None else self._halves
-        self.part = replace(self.part, light=own_light, rings=rings)
+            rings = self._halves
+        own_light = light[: sh.basis_size(self.part.F)].copy()
+        self.part = replace(self.part, light=own_light, gamma=gamma, rho=rho, rings=rings)
         return self.part

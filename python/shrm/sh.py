@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
-from shrm.validation import real_array, rotation, unit_vectors, whole_number
+from shrm.validation import real_array, require_array, rotation, unit_vectors, whole_number
 
 __all__ = ["MAX_DEGREE", "Plan", "analysis", "basis_size", "degree_of", "evaluate", "rotate", "synthesis"]
 
@@ -175,16 +175,27 @@ class Plan:
         out : ((F+1)^2, channels) float64 array, optional
             In C order; takes the result.
 
+        Returns
+        -------
+        ((F+1)^2, channels) float64
+            `out`, if given.
+
         Raises
         ------
         TypeError, ValueError
-            If an array has another shape, type or order, or pixels are not finite.
+            If an array has another shape, type or order, or pixels are not finite, or too large to be added
+            up in float32; `out` is then undefined.
         """
-        result = np.empty((basis_size(self.F), self.channels)) if out is None else out
-        self._analysis.run(pixels, result)
-        if not np.isfinite(result).all():  # one texel that is not finite reaches every coefficient
-            raise ValueError("pixels must be finite")
-        return result
+        require_array("pixels", pixels, (self.H, self.W, self.channels), np.float32)
+        shape = (basis_size(self.F), self.channels)
+        if out is None:
+            out = np.empty(shape)
+        require_array("out", out, shape, np.float64, writeable=True)
+        self._analysis.run(pixels, out)
+        if not np.isfinite(out).all():  # one texel that is not finite reaches every coefficient
+            reason = "be finite" if not np.isfinite(pixels).all() else "have sums that are finite in float32"
+            raise ValueError(f"pixels must {reason}")
+        return out
 
     def synthesis(
         self, coefficients: FloatArray, out: npt.NDArray[np.float32] | None = None
@@ -201,15 +212,22 @@ class Plan:
         Returns
         -------
         (H, channels, W) float32
+            `out`, if given.
 
         Raises
         ------
         TypeError, ValueError
-            If an array has another shape, type or order.
+            If an array has another shape, type or order, or coefficients are not finite.
         """
-        result = np.empty((self.H, self.channels, self.W), dtype=np.float32) if out is None else out
-        self._synthesis.run(coefficients, result)
-        return result
+        require_array("coefficients", coefficients, (basis_size(self.F), self.channels), np.float64)
+        if not np.isfinite(coefficients).all():
+            raise ValueError("coefficients must be finite")
+        shape = (self.H, self.channels, self.W)
+        if out is None:
+            out = np.empty(shape, dtype=np.float32)
+        require_array("out", out, shape, np.float32, writeable=True)
+        self._synthesis.run(coefficients, out)
+        return out
 
     @cached_property
     def _analysis(self) -> _core.Analysis:

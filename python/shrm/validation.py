@@ -117,6 +117,30 @@ def real_array(name: str, value: npt.ArrayLike) -> FloatArray:
     return array
 
 
+def require_array(
+    name: str, value: object, shape: tuple[int, ...], dtype: npt.DTypeLike, *, writeable: bool = False
+) -> None:
+    """Refuse what is not an array of exactly this shape and type, in C order: what is taken as it is.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not that.
+    """
+    wanted = np.dtype(dtype)
+    if not isinstance(value, np.ndarray) or value.dtype != wanted:
+        kind = value.dtype if isinstance(value, np.ndarray) else type(value).__name__
+        raise TypeError(f"{name} must be an array of {wanted}, got {kind}")
+    if isinstance(value, np.ma.MaskedArray):
+        raise TypeError(f"{name} must be a plain array, got a masked one: fill what is masked first")
+    if value.shape != shape:
+        raise ValueError(f"{name} must have the shape {shape}, got {value.shape}")
+    if not (value.flags.c_contiguous and value.flags.aligned):
+        raise ValueError(f"{name} must be contiguous in C order, got strides {value.strides}")
+    if writeable and not value.flags.writeable:
+        raise ValueError(f"{name} must be writeable, got a read-only array")
+
+
 def unit_vectors(name: str, value: npt.ArrayLike, count: int | None = None) -> FloatArray:
     """Return unit vectors as a C-contiguous (n, 3) float64 array.
 
