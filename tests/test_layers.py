@@ -30,6 +30,7 @@ PYTHON_ORDER = [
     ["reflection_map", "reflection_file"],  # a map's save and load are the file's
     ["explicit"],
     ["prefiltering"],
+    ["radial_table"],
     ["lobe_tables"],
     ["lobe_integrals"],
     ["reference"],
@@ -69,7 +70,7 @@ def stages(order: list[list[str]]) -> dict[str, int]:
 PYTHON_STAGE, CPP_STAGE = stages(PYTHON_ORDER), stages(CPP_ORDER)
 
 # The integrators judge the harmonics, so they may use nothing of them.
-PYTHON_JUDGES = {"lobe_tables", "lobe_integrals", "reference"}
+PYTHON_JUDGES = {"radial_table", "lobe_tables", "lobe_integrals", "reference"}
 PYTHON_NEUTRAL = {
     "_core",
     "validation",
