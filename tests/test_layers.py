@@ -29,11 +29,13 @@ PYTHON_ORDER = [
     ["orders"],
     ["reflection_map", "reflection_file"],  # a map's save and load are the file's
     ["explicit"],
-    ["prefiltering"],
-    ["relighting"],
+    ["radial_table"],
     ["lobe_tables"],
     ["lobe_integrals"],
     ["reference"],
+    ["cost"],
+    ["prefiltering"],
+    ["relighting"],
     ["transfer"],
     ["render"],
     ["export"],
@@ -81,7 +83,7 @@ def stages(order: list[list[str]]) -> dict[str, int]:
 PYTHON_STAGE, CPP_STAGE = stages(PYTHON_ORDER), stages(CPP_ORDER)
 
 # The integrators judge the harmonics, so they may use nothing of them.
-PYTHON_JUDGES = {"lobe_tables", "lobe_integrals", "reference"}
+PYTHON_JUDGES = {"radial_table", "lobe_tables", "lobe_integrals", "reference"}
 PYTHON_NEUTRAL = {
     "_core",
     "validation",

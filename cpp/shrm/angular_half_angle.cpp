@@ -42,6 +42,7 @@ struct Columns {
 // sum.
 struct Visited {
     glm::dvec3 normal, view;
+    glm::vec3 scaled;  // g N
     Reach reach;
     bool cut;  // by the horizon; else the height is not needed
     std::vector<float> height;
@@ -50,9 +51,10 @@ struct Visited {
     Sum sum;
 
     void find(const Nodes& nodes, const Columns& columns, std::span<const Cap> caps, const glm::dvec3& n,
-              const glm::dvec3& v) {
+              const glm::dvec3& v, float g) {
         normal = n;
         view = v;
+        scaled = glm::vec3(static_cast<double>(g) * n);
         const LocalFrame frame(n, v);
         const Visit visit(frame, ViewPlace(frame.cos_v, static_cast<int>(caps.size()) - 1), caps);
         reach.find(nodes, Centre(visit.axis), {0, visit.outer});
@@ -133,8 +135,7 @@ SHRM_INLINE void sum_shared(const Setting& setting, const Profile& u, int i, Vis
     const float* h = shared.half.data() + 3 * size(i) * planes.length + begin;
     const HalfVectors vectors = {h, h + planes.length, h + 2 * planes.length};
     const float* height = of.cut ? of.height.data() + begin : nullptr;
-    const HalfAngleRow row = {glm::vec3(static_cast<double>(g) * of.normal),
-                              static_cast<float>(nodes.sin_theta[size(i)]),
+    const HalfAngleRow row = {of.scaled, static_cast<float>(nodes.sin_theta[size(i)]),
                               static_cast<float>(nodes.cos_theta[size(i)] * of.normal.z)};
     if (of.cut)
         sum_weighted([&](int j) { return half_angle<true>(u, vectors, height, j, row); }, light, n,
@@ -158,7 +159,7 @@ void sum_any(const Setting& setting, const Profile& u, Visited& of, Scratch& s) 
     s.half.resize(3 * size(length));
     s.weight.resize(size(length));
     const float* w[3] = {s.weight.data(), s.weight.data(), s.weight.data()};
-    HalfAngleRow at = {glm::vec3(static_cast<double>(g) * of.normal), 0, 0};
+    HalfAngleRow at = {of.scaled, 0, 0};
     for (int i = of.reach.first; i < of.reach.last; ++i) {
         const Arcs arcs = of.reach.columns(nodes, i);
         if (arcs.count == 0) continue;
@@ -206,7 +207,7 @@ void half_angles(const Picture& picture, const RadialProfile& profile, std::span
         int first = picture.H, last = 0;
         for (std::size_t k = 0; k < count; ++k) {
             Visited& of = s.visited[k];
-            of.find(setting.nodes, setting.columns, caps, normals[from + k], views[from + k]);
+            of.find(setting.nodes, setting.columns, caps, normals[from + k], views[from + k], setting.g);
             if (picture.subsamples > 1 || shared.half.empty() || !shared.is(of.view)) {
                 sum_any(setting, u, of, s);
                 of.reach.last = of.reach.first;

@@ -86,7 +86,6 @@
 //                   queries  planes of the picture; threads
 //                   radial, half_angle, zonal, isotropic   the kinds of lobe
 //   simd            vectors of the instruction set that a file is compiled for
-//   trigonometry    sines and arc tangents of eight angles at once
 #pragma once
 
 #include <cstddef>

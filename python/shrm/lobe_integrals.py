@@ -14,6 +14,7 @@ import numpy.typing as npt
 import shrm._core as _core
 from shrm import lobe_tables
 from shrm.central_direction import gamma_table
+from shrm.radial_table import RadialTable, radial_table
 from shrm.validation import one_of
 
 Array = npt.NDArray[np.float64]
@@ -62,7 +63,7 @@ class RadialIntegral:
     """A lobe of fixed shape about R or N."""
 
     def __init__(self, center: str, profile: Callable[[Array], Array], tolerance: float):
-        table = lobe_tables.radial_table(profile, tolerance)
+        table = radial_table(profile, tolerance)
         self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
         self.width, self.error = table.width, table.error
         self._table: dict[str, Any] = {**profile_arguments(table), "outer": table.outer}
@@ -86,7 +87,7 @@ class RadialIntegral:
         return centers if self.center == "normal" else bisector(centers, v)
 
 
-def profile_arguments(table: lobe_tables.RadialTable) -> dict[str, Any]:
+def profile_arguments(table: RadialTable) -> dict[str, Any]:
     """A radial table as the core takes it."""
     return {
         "profile": table.values,

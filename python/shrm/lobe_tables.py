@@ -1,8 +1,8 @@
 """Tables of lobes for direct integration, and how wide a lobe is.
 
 The C++ integrator sees a BRDF only through these tables. Each is in coordinates in which the function is
-smooth: a radial profile over the logarithm of sin^2(theta/2); an isotropic lobe as E(theta_h) times a ratio
-on the box of (view, light, azimuth), whose edge is the horizon. Each knows its own interpolation error.
+smooth: an isotropic lobe as E(theta_h) times a ratio on the box of (view, light, azimuth), whose edge is the
+horizon; what depends on one angle as a `shrm.radial_table`. Each knows its own interpolation error.
 
 The angular width of a lobe follows Ramamoorthi & Hanrahan, "Frequency Space Environment Map Rendering", ACM
 TOG 21(3), 2002 ([RH02]), appendix D: the integral of rho_hat, not of its square.
@@ -17,14 +17,12 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
+from shrm.radial_table import RadialTable, channels_last, radial_table, relative_rms
+
 Array = npt.NDArray[np.float64]
-Profile = Callable[[Array], Array]
 Profile2D = Callable[[Array, Array], Array]
 Transfer = Callable[[Array, Array], Array]
 
-# Tables grow until their error is below this, or they are as large as a cache.
-WANTED_ERROR = 1e-5
-RADIAL_NODES = 65536
 ZONAL_ROWS, ZONAL_INTERVALS = 1025, 1024
 ENVELOPE_INTERVALS = 4096
 VIEW_INTERVALS, LIGHT_INTERVALS, AZIMUTH_INTERVALS = 96, 128, 128
@@ -33,140 +31,10 @@ VIEW_INTERVALS, LIGHT_INTERVALS, AZIMUTH_INTERVALS = 96, 128, 128
 HORIZON = 1e-6
 
 
-def _channels_last(values: Array) -> Array:
-    """(n,) or (n, 3) as (n, 1) or (n, 3)."""
-    values = np.asarray(values, dtype=np.float64)
-    return values[:, None] if values.ndim == 1 else values
-
-
 def _padded(values: Array, axis: int) -> Array:
     """Repeat the last node, so that a look-up at the very end may read one beyond it."""
     last = np.take(values, [-1], axis=axis)
     return np.concatenate([values, last], axis=axis)
-
-
-# Octaves of z and the segments in each. C++ keeps 32 segments in registers.
-HELD_SEGMENTS = 32
-HELD = ((8, 4), (4, 8), (16, 2))
-LOOKED_UP = ((8, 16), (8, 64), (16, 256), (16, 1024))
-
-# Relative to its largest value, what is less of a profile is 0.
-NOTHING = 1e-12
-
-
-@dataclass(frozen=True)
-class RadialTable:
-    """u(theta) as cubics of z = 1 + scale sin^2(theta/2), segments equally many to each octave of z.
-
-    Attributes
-    ----------
-    values : (C, 4, segments) float32
-        Coefficients of z^0 ... z^3; if there are more than 32 segments, of x instead of z, which goes from 1
-        to 2 along each. The segment of z is (bits of z as float32) >> shift modulo segments, a power of two;
-        the last is 0, and begins at the support.
-    shift : int
-        Bits of z that do not tell the segment.
-    scale : float
-        Of z.
-    support : float
-        Angle beyond which u is 0.
-    outer : float
-        Angle within which all but the tolerance of the integral of |u| lies, pi for tolerance 0.
-    width : float
-        Angle within which half of it lies.
-    error : float
-        Relative root mean square error over the sphere, of cubics evaluated in float32.
-    """
-
-    values: npt.NDArray[np.float32]
-    shift: int
-    scale: float
-    support: float
-    outer: float
-    width: float
-    error: float
-
-
-def radial_table(profile: Profile, tolerance: float) -> RadialTable:
-    """Tabulate a profile of cos(theta)."""
-
-    def of_square(q: Array) -> Array:  # q = sin^2(theta/2)
-        return _channels_last(profile(1 - 2 * q))
-
-    s = np.arange(RADIAL_NODES + 1) / RADIAL_NODES
-    u = of_square(s**2)
-    outer, width = (np.pi if part == 0 else _angle_within(s, u, part) for part in (tolerance, 0.5))
-    end = _support(of_square, s, u)
-    support = float(np.pi) if end > 1 else float(2 * np.arcsin(np.sqrt(end)))
-    best: RadialTable | None = None
-    for octaves, each in (*HELD, *LOOKED_UP):
-        if best is not None and (best.error <= WANTED_ERROR and (octaves, each) not in HELD):
-            break
-        values, scale = _cubics(of_square, end, octaves, each)
-        shift = 24 - each.bit_length()
-        error = _relative_rms(_radial_at(values, shift, scale, s**2), u, s[:, None])
-        if best is None or error < best.error:
-            best = RadialTable(values, shift, scale, support, outer, width, error)
-    assert best is not None
-    return best
-
-
-def _support(of_square: Profile, s: Array, u: Array) -> float:
-    """sin^2(theta/2) beyond which a profile is nothing, by bisection; just above 1 if there is none."""
-    least = NOTHING * float(np.abs(u).max())
-    there = np.nonzero(np.any(np.abs(u) > least, axis=1))[0]
-    k = int(there[-1]) if len(there) else 1
-    if k == len(s) - 1:
-        return 1 + 1e-5
-    low, high = s[k] ** 2, s[k + 1] ** 2
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        if np.any(np.abs(of_square(np.array([middle]))) > least):
-            low = middle
-        else:
-            high = middle
-    return float(high)
-
-
-def _cubics(
-    of_square: Profile, end: float, octaves: int, each: int
-) -> tuple[npt.NDArray[np.float32], float]:
-    """Coefficients (C, 4, segments) and the scale."""
-    edges = (2.0 ** np.arange(octaves)[:, None] * (1 + np.arange(each) / each)).ravel()
-    scale = (edges[-1] - 1) / end  # the last segment is 0
-    low, high = edges[:-1, None], edges[1:, None]
-    # interpolation at Chebyshev's nodes
-    x = 1.5 + 0.5 * np.cos((np.arange(4) + 0.5) * np.pi / 4)
-    z = low + (high - low) * (x - 1)
-    q = np.clip((z - 1) / scale, 0, min(end, 1))
-    u = of_square(q.ravel()).reshape(*z.shape, -1)
-    variable = z if octaves * each == HELD_SEGMENTS else np.broadcast_to(x, z.shape)
-    coefficients = np.linalg.solve(variable[:, :, None] ** np.arange(4), u).astype(np.float32)
-    table = np.zeros((octaves * each, *coefficients.shape[1:]), dtype=np.float32)
-    # where the bits of a float point to: its exponent is 127 at z = 1
-    table[(127 * each + np.arange(len(coefficients))) % len(table)] = coefficients
-    return np.ascontiguousarray(table.transpose(2, 1, 0)), float(scale)
-
-
-def _radial_at(values: npt.NDArray[np.float32], shift: int, scale: float, q: Array) -> Array:
-    """What the integrator computes, (n, C)."""
-    segments = values.shape[2]
-    last = ((127 << (23 - shift)) + segments - 1) << shift
-    z = (1 + scale * q).astype(np.float32)
-    bits = z.view(np.int32)
-    c = values[:, :, (np.minimum(bits, last) >> shift) % segments]
-    x = z if segments == HELD_SEGMENTS else ((bits << (23 - shift)) & 0x7FFFFF | 0x3F800000).view(np.float32)
-    return np.asarray((((c[:, 3] * x + c[:, 2]) * x + c[:, 1]) * x + c[:, 0]).T, dtype=np.float64)
-
-
-def _angle_within(s: Array, u: Array, left_out: float) -> float:
-    # theta_i* of [RH02] appendix D, by quadrature for any profile; sin(theta) d(theta) = 4 s ds
-    density = np.abs(u).sum(axis=1) * s
-    energy = np.concatenate([[0], np.cumsum(density[1:] + density[:-1])])
-    if energy[-1] == 0:
-        return float(np.pi)
-    k = np.searchsorted(energy, (1 - left_out) * energy[-1])
-    return float(2 * np.arcsin(s[min(k, len(s) - 1)]))
 
 
 @dataclass(frozen=True)
@@ -198,7 +66,7 @@ def zonal_table(profile: Profile2D, tolerance: float) -> ZonalTable:
     theta_i = 2 * np.arcsin(s)
     theta_o = np.linspace(0, np.pi, ZONAL_ROWS)
     grid_o, grid_i = np.meshgrid(theta_o, theta_i, indexing="ij")
-    u = _channels_last(profile(grid_i.ravel(), grid_o.ravel())).reshape(ZONAL_ROWS, len(s), -1)
+    u = channels_last(profile(grid_i.ravel(), grid_o.ravel())).reshape(ZONAL_ROWS, len(s), -1)
     bands = np.array([_smallest_band(s, row, tolerance) for row in u])
     half = np.array([_smallest_band(s, row, 0.5) for row in u[:: ZONAL_ROWS // 16]])
 
@@ -208,10 +76,10 @@ def zonal_table(profile: Profile2D, tolerance: float) -> ZonalTable:
     # In the middle of every 8 x 8th cell, the solid angles as weights.
     mid_o, mid_s = between(theta_o, 0)[::8], between(s, 0)[::8]
     go, gs = np.meshgrid(mid_o, mid_s, indexing="ij")
-    exact = _channels_last(profile(2 * np.arcsin(gs.ravel()), go.ravel()))
+    exact = channels_last(profile(2 * np.arcsin(gs.ravel()), go.ravel()))
     linear = between(between(u, 0), 1)[::8, ::8].reshape(exact.shape)
     weight = (np.sin(go) * gs).ravel()[:, None]
-    error = _relative_rms(linear, exact, weight)
+    error = relative_rms(linear, exact, weight)
     values = np.ascontiguousarray(_padded(u.transpose(0, 2, 1), axis=2).astype(np.float32))
     return ZonalTable(values, bands, float(np.min(half[:, 1] - half[:, 0]) / 2), error)
 
@@ -307,7 +175,7 @@ def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
     light = _light_nodes()
     planes, caps = [], []
     for cos_v in np.cos(view_nodes()):
-        rho = _channels_last(transfer(light, _view(cos_v, len(light))))
+        rho = channels_last(transfer(light, _view(cos_v, len(light))))
         plane = rho / _envelope_at(envelope, light, _view(cos_v, len(light)))[:, None]
         planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))
         caps.append(_cap_at(transfer, cos_v, tolerance))
@@ -391,7 +259,7 @@ def _envelope(transfer: Transfer) -> Array:
     mean = np.zeros(len(theta_h))
     for theta_d in np.linspace(0, np.pi / 2, 12, endpoint=False):
         across = np.array([0.0, np.sin(theta_d), 0.0])
-        rho = _channels_last(transfer(np.cos(theta_d) * h + across, np.cos(theta_d) * h - across))
+        rho = channels_last(transfer(np.cos(theta_d) * h + across, np.cos(theta_d) * h - across))
         mean += np.abs(rho).mean(axis=1) / 12
     return np.maximum(mean, max(1e-12 * mean.max(), np.finfo(np.float32).tiny))
 
@@ -412,7 +280,7 @@ def _mean_angle(wi: Array, energy: Array) -> float:
 def _cap_at(transfer: Transfer, cos_v: float, left_out: float) -> tuple[float, float]:
     """Of a view, the lobe's centre and the angle about it that holds all but a part of its integral."""
     wi, weight = light_quadrature(cos_v)
-    energy = weight * np.abs(_channels_last(transfer(wi, _view(cos_v, len(wi))))).sum(axis=1)
+    energy = weight * np.abs(channels_last(transfer(wi, _view(cos_v, len(wi))))).sum(axis=1)
     centre = _mean_angle(wi, energy)
     if left_out == 0 or not energy.sum() > 0:
         return 0.0, float(np.pi)
@@ -428,7 +296,7 @@ def _isotropic_error(table: IsotropicTable, transfer: Transfer) -> float:
     wrong = total = 0.0
     for c2 in (np.arange(24) + 0.47) / 24:
         wi, weight = light_quadrature(np.sqrt(c2), 61, 31)
-        exact = _channels_last(transfer(wi, _view(np.sqrt(c2), len(wi))))
+        exact = channels_last(transfer(wi, _view(np.sqrt(c2), len(wi))))
         wrong += float(weight @ np.sum((_evaluate(table, wi, np.sqrt(c2)) - exact) ** 2, axis=1))
         total += float(weight @ np.sum(exact**2, axis=1))
     return float(np.sqrt(wrong / total)) if total > 0 else 0.0
@@ -448,8 +316,3 @@ def _evaluate(table: IsotropicTable, wi: Array, cos_v: float) -> Array:
     high = plane[:, kl + 1, ka] * (1 - ta) + plane[:, kl + 1, ka + 1] * ta
     e = _envelope_at(table.envelope[:-1].astype(np.float64), wi, _view(cos_v, len(wi)))
     return np.asarray((e * (low * (1 - tl) + high * tl)).T)
-
-
-def _relative_rms(actual: Array, exact: Array, weight: Array) -> float:
-    total = float(np.sum(weight * exact**2))
-    return float(np.sqrt(np.sum(weight * (actual - exact) ** 2) / total)) if total > 0 else 0.0
