@@ -19,10 +19,10 @@ def bench_coefficients(measured: Measured, F: int) -> None:
 
 @pytest.mark.benchmark(group="rotation")
 def bench_picture(measured: Measured) -> None:
-    env = Environment.daylight(size=128)
+    env = Environment.daylight(size=64)
     turned = sh.rotate(env.coefficients(8), TURN)
     measured(
         lambda: env.rotated(TURN),
         lambda found: relative_rms(found.coefficients(8), turned),
-        "256 x 128 texels, as areas; coefficients to l = 8",
+        "128 x 64 texels, as areas; coefficients to l = 8",
     )

@@ -2,7 +2,7 @@
 
 A product and its sum are two operations. Only the products of the method itself are counted, after its
 symmetries are used: no padding, no recurrences, no shuffles, no additions of folding. Bytes are those of the
-arrays that go in and come out, each once.
+arrays that go in and come out, each once; for look-ups, those of every texel that is touched.
 """
 
 from dataclasses import dataclass
@@ -10,11 +10,15 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Work:
-    """Operations and bytes of one kernel."""
+    """Operations and bytes of one kernel.
+
+    `held` is what its arrays take in memory, which says the level they are read from, if that is not `bytes`.
+    """
 
     flops: float
     bytes: float
     double: bool = False
+    held: float | None = None
 
 
 def ring_products(H: int, W: int, channels: int, F: int) -> float:
@@ -72,6 +76,11 @@ def view(maps: int, N: int, half: bool) -> Work:
     return Work(2.0 * maps * texels, texels * (maps * (2 if half else 4) + 4.0))
 
 
-def radiance(points: int, maps: int, taps: int) -> Work:
-    """Look-ups in the maps: every texel that is touched, and the sum over the view's harmonics."""
-    return Work(2.0 * points * maps * 3 * (taps + 1), points * (4.0 * maps * 3 * taps + 8 * 6 + 4 * 3))
+def radiance(points: int, maps: int, taps: int, texels: int) -> Work:
+    """Look-ups in maps of so many texels, and the sum over the view's harmonics."""
+    queries = points * (8.0 * 6 + 4 * 3)
+    return Work(
+        2.0 * points * maps * 3 * (taps + 1),
+        points * 4.0 * maps * 3 * taps + queries,
+        held=4.0 * maps * 3 * texels + queries,
+    )

@@ -68,10 +68,11 @@ def _cache_size(level: int) -> int:
 def least_seconds(work: Work, machine: dict[str, Any]) -> tuple[float, str]:
     """Return the least time that the machine could take, and what sets it: arithmetic, or a memory level.
 
-    The level is the smallest that holds all the bytes: kernels are measured again and again on the same
+    The level is the smallest that holds the arrays: kernels are measured again and again on the same
     arrays.
     """
-    level = next((name for name, size in machine["size"].items() if work.bytes <= size), "DRAM")
+    held = work.bytes if work.held is None else work.held
+    level = next((name for name, size in machine["size"].items() if held <= size), "DRAM")
     kind = "double" if work.double else "float"
     arithmetic = 1e-9 * work.flops / machine[kind]
     reading = 1e-9 * work.bytes / machine["read"][level]
