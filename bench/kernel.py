@@ -4,10 +4,11 @@
     perf report -i build/perf.data --stdio --no-children | head -30
     perf annotate -i build/perf.data --stdio | less
 
-Kernels: analysis, synthesis, cube, view, half. The last line printed says what share of the machine's limit
-the whole call reaches.
+Kernels: analysis, synthesis, cube, view, half. What is printed, as JSON, is the best time of a call and what
+share of the machine's limit it reaches.
 """
 
+import json
 import sys
 import time
 from collections.abc import Callable
@@ -21,6 +22,7 @@ from limits import least_seconds, limits, threads
 from shrm import _core, sh
 from shrm.reflection_map import BORDER
 
+SECONDS = 3.0
 H, N, F, P = 512, 64, 30, 3
 MAPS = (P + 1) ** 2
 
@@ -68,16 +70,21 @@ def main() -> int:
         print(f"usage: python bench/kernel.py {'|'.join(KERNELS)}", file=sys.stderr)
         return 2
     call, work = KERNELS[sys.argv[1]]()
-    best, end = float("inf"), time.perf_counter() + 5
+    best, end = float("inf"), time.perf_counter() + SECONDS
     while time.perf_counter() < end:
         start = time.perf_counter()
         call()
         best = min(best, time.perf_counter() - start)
     least, bound = least_seconds(work, limits(threads()))
-    print(
-        f"{sys.argv[1]}: {1e3 * best:.3f} ms at best, {1e-9 * work.flops / best:.0f} GFLOP/s, "
-        f"{1e-9 * work.bytes / best:.0f} GB/s, {100 * least / best:.0f}% of {bound}"
-    )
+    found = {
+        "work": sys.argv[1],
+        "ms": 1e3 * best,
+        "GFLOP/s": 1e-9 * work.flops / best,
+        "GB/s": 1e-9 * work.bytes / best,
+        "share": least / best,
+        "bound": bound,
+    }
+    print(json.dumps(found))
     return 0
 
 

@@ -7,7 +7,7 @@ A table stands between two markers, and the first says which it is:
     <!-- bench: analysis, synthesis -->  ...  <!-- /bench -->
 
 Names are groups of the benchmarks, whose rows say time, error and share of the machine's limit, or one of
-`machine` (its limits), `beside the prototype` and `Fourier`.
+`machine` (its limits), `kernels`, `beside the prototype` and `Fourier`.
 """
 
 import json
@@ -126,7 +126,26 @@ def _crossing(rows: list[Results]) -> str:
     return f"- {picture}: no degree measured is faster by FFT."
 
 
-TABLES = {"machine": machine, "beside the prototype": beside_the_prototype, "Fourier": fourier}
+def kernels(results: Results) -> list[str]:
+    """Return the hottest kernels, one thread, and how near the machine's limit they come."""
+    rows = [
+        [
+            row["work"],
+            milliseconds(row["ms"]),
+            *(f"{row[unit]:.0f} {unit}" for unit in ("GFLOP/s", "GB/s")),
+            f"{100 * row['share']:.0f}% of {row['bound']}",
+        ]
+        for row in of_group(results, "kernels")[0]["extra_info"]["rows"]
+    ]
+    return markdown(["call, 1 thread", "best", "arithmetic", "memory", "of the limit"], rows)
+
+
+TABLES = {
+    "machine": machine,
+    "kernels": kernels,
+    "beside the prototype": beside_the_prototype,
+    "Fourier": fourier,
+}
 
 
 def written(results: Results, names: str) -> str:
@@ -143,17 +162,18 @@ def main() -> int:
         print("usage: python bench/report.py build/bench.json", file=sys.stderr)
         return 2
     results = json.loads(Path(sys.argv[1]).read_text())
+    status = 0
     for page in PAGES:
-        text = page.read_text()
-        tables = [names for _, names, _ in MARKED.findall(text)]
-        page.write_text(
-            MARKED.sub(lambda found: f"{found[1]}\n{written(results, found[2])}\n\n{found[3]}", text)
-        )
-        print(f"{page.relative_to(ROOT)}: {len(tables)} tables")
-        if not tables:
-            print(f"{page.relative_to(ROOT)}: no marker <!-- bench: NAMES --> in it", file=sys.stderr)
-            return 1
-    return 0
+        name, text = page.relative_to(ROOT), page.read_text()
+        try:
+            page.write_text(
+                MARKED.sub(lambda found: f"{found[1]}\n{written(results, found[2])}\n\n{found[3]}", text)
+            )
+            print(f"{name}: {len(MARKED.findall(text))} tables")
+        except ValueError as error:
+            print(f"{name}: {error}", file=sys.stderr)
+            status = 1
+    return status
 
 
 if __name__ == "__main__":
