@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from inputs import coefficients, texels
 from limits import BUILD, ROOT, compiled
+from processes import found_by
 
 SOURCE = ROOT.parent / "shared" / "prototypes" / "sht_prototype.cpp"
 TURNS = 2
@@ -164,7 +165,9 @@ def compare(limit: float = 120.0) -> list[dict[str, Any]]:
         done = subprocess.run([str(program)], capture_output=True, text=True, check=True, timeout=limit)
         study.append(parsed(done.stdout))
         if turn < TURNS:
-            own.append({threads: _ours_in_a_process(threads) for threads in (1, 2)})
+            own.append(
+                {threads: found_by("beside_prototype.py", "ours", threads=threads) for threads in (1, 2)}
+            )
 
     def middle(runs: list[dict[int, Times]], threads: int, work: str) -> float:
         return median(run[threads][work] for run in runs)
@@ -179,19 +182,6 @@ def compare(limit: float = 120.0) -> list[dict[str, Any]]:
         row["gain of the second thread"] = row["ours 1"] / row["ours 2"]
         rows.append(row)
     return rows
-
-
-def _ours_in_a_process(threads: int) -> Times:
-    """Measure ours in a process of its own: OpenMP fixes its threads when it starts."""
-    done = subprocess.run(
-        [sys.executable, __file__, "ours"],
-        env={**os.environ, "OMP_NUM_THREADS": str(threads)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    found: Times = json.loads(done.stdout)
-    return found
 
 
 if __name__ == "__main__":

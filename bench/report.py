@@ -86,7 +86,7 @@ def beside_the_prototype(results: Results) -> list[str]:
 def fourier(results: Results) -> list[str]:
     """Return the folded product beside FFTs, and an analysis as it is and as it would be with one."""
     heads = [
-        "picture, F",
+        "picture, F; 1 thread",
         "product",
         "scipy rfft",
         "planar",
@@ -118,10 +118,10 @@ def _crossing(rows: list[Results]) -> str:
         gains = [row["product"] - row["fft"] for row in (low, high)]
         if gains[0] <= 0 < gains[1]:
             F = low["F"] + (high["F"] - low["F"]) * gains[0] / (gains[0] - gains[1])
-            saved = 1 - high["with_fft"] / high["whole"]
+            saved, at = max((1 - row["with_fft"] / row["whole"], row["F"]) for row in rows)
             return (
-                f"- {picture}: the FFT would be faster from F = {F:.0f} on; at F = {high['F']} it would take "
-                f"{100 * saved:.0f}% off an analysis."
+                f"- {picture}: the FFT is faster from F = {F:.0f} on, and would take {100 * saved:.0f}% off an "
+                f"analysis at the most (F = {at})."
             )
     return f"- {picture}: no degree measured is faster by FFT."
 
