@@ -120,8 +120,8 @@ def _crossing(rows: list[Results]) -> str:
             F = low["F"] + (high["F"] - low["F"]) * gains[0] / (gains[0] - gains[1])
             saved, at = max((1 - row["with_fft"] / row["whole"], row["F"]) for row in rows)
             return (
-                f"- {picture}: the FFT is faster from F = {F:.0f} on, and would take {100 * saved:.0f}% off an "
-                f"analysis at the most (F = {at})."
+                f"- {picture}: the FFT is faster from F = {F:.0f} on, and would take at the most "
+                f"{100 * saved:.0f}% off an analysis (F = {at})."
             )
     return f"- {picture}: no degree measured is faster by FFT."
 
