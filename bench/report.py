@@ -1,46 +1,179 @@
-"""Writes the README's measured table from what `./run bench` left in build/bench.json."""
+"""Writes the measured tables of README.md and bench/README.md from what `./run bench` left.
+
+    python bench/report.py build/bench.json
+
+A table stands between two markers, and the first says which it is:
+
+    <!-- bench: analysis, synthesis -->  ...  <!-- /bench -->
+
+Names are groups of the benchmarks, whose rows say time, error and share of the machine's limit, or one of
+`machine` (its limits), `kernels`, `beside the prototype` and `Fourier`.
+"""
 
 import json
+import re
 import sys
+from collections.abc import Iterable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-README = Path(__file__).resolve().parents[1] / "README.md"
-BEGIN, END = "<!-- bench: written by bench/report.py -->", "<!-- /bench -->"
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = (ROOT / "README.md", ROOT / "bench" / "README.md")
+MARKED = re.compile(r"(<!-- bench: ([^>]+?) -->\n).*?(<!-- /bench -->)", re.DOTALL)
+
+Results = dict[str, Any]
 
 
-def table(results: dict[str, Any]) -> str:
-    """Return Markdown: one row for each benchmark, in the order of the stages."""
-    rows = results["benchmarks"]
-    about = rows[0]["extra_info"]
-    lines = [
-        f"Medians on {about['machine']}, {about['threads']} threads, float32 RGB, commit {about['commit']}:",
-        "",
-        "| stage | work | median | relative RMS error |",
-        "|---|---|---|---|",
+def milliseconds(value: float) -> str:
+    """Return a time in milliseconds to three digits."""
+    return f"{value:.3g} ms" if value < 1000 else f"{value:.0f} ms"
+
+
+def markdown(heads: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
+    """Return the lines of a table."""
+    heads = list(heads)
+    return [f"| {' | '.join(row)} |" for row in (heads, ["---"] * len(heads), *rows)]
+
+
+def of_group(results: Results, group: str) -> list[Results]:
+    """Return the benchmarks of a group."""
+    found = [row for row in results["benchmarks"] if row["group"] == group]
+    if not found:
+        raise ValueError(f"no benchmark of the group {group!r} was run")
+    return found
+
+
+def measured(results: Results, groups: list[str]) -> list[str]:
+    """Return medians with their errors, and how near the machine's limit they come."""
+    rows = []
+    for group in groups:
+        for row in of_group(results, group):
+            info = row["extra_info"]
+            limit = f"{100 * info['share']:.0f}% of {info['bound']}" if "share" in info else ""
+            time = milliseconds(1e3 * row["stats"]["median"])
+            rows.append([group, info["work"], time, f"{info['error']:.1e}", limit])
+    return markdown(["stage", "work", "median", "relative RMS error", "of the limit"], rows)
+
+
+def machine(results: Results) -> list[str]:
+    """Return the limits of the machine."""
+    heads = ["threads", "float32", "float64", *(f"read {level}" for level in ("L1", "L2", "L3", "DRAM"))]
+    rows = [
+        [
+            str(found["threads"]),
+            *(f"{found[kind]:.0f} GFLOP/s" for kind in ("float", "double")),
+            *(f"{speed:.0f} GB/s" for speed in found["read"].values()),
+        ]
+        for found in results["machine_info"]["limits"]
     ]
-    for row in rows:
-        info = row["extra_info"]
-        milliseconds = 1e3 * row["stats"]["median"]
-        lines.append(f"| {row['group']} | {info['work']} | {milliseconds:.3g} ms | {info['error']:.1e} |")
-    return "\n".join(lines)
+    return markdown(heads, rows)
+
+
+def beside_the_prototype(results: Results) -> list[str]:
+    """Return our kernels beside those of the timing study."""
+    heads = ["work", "study, 1 thread", "ours", "ratio", "study, 2 threads", "ours", "ratio", "ours, 1 / 2"]
+    rows = []
+    for row in of_group(results, "beside the prototype")[0]["extra_info"]["rows"]:
+        line = [row["work"]]
+        for threads in (1, 2):
+            line += [milliseconds(row[f"{whose} {threads}"]) for whose in ("study", "ours")]
+            line.append(f"{row[f'ratio {threads}']:.2f}")
+        rows.append([*line, f"{row['gain of the second thread']:.2f}"])
+    return markdown(heads, rows)
+
+
+def fourier(results: Results) -> list[str]:
+    """Return the folded product beside FFTs, and an analysis as it is and as it would be with one."""
+    heads = [
+        "picture, F; 1 thread",
+        "product",
+        "scipy rfft",
+        "planar",
+        "numpy rfft",
+        "Legendre",
+        "analysis",
+        "with rfft",
+        "error",
+    ]
+    rows = []
+    for bench in of_group(results, "Fourier"):
+        for row in bench["extra_info"]["rows"]:
+            times = ("product", "fft", "fft_planar", "numpy_fft", "legendre", "whole", "with_fft")
+            rows.append(
+                [
+                    f"{row['W']} x {row['H']}, {row['F']}",
+                    *(milliseconds(1e3 * row[name]) for name in times),
+                    f"{row['error']:.1e}",
+                ]
+            )
+    lines = [_crossing(bench["extra_info"]["rows"]) for bench in of_group(results, "Fourier")]
+    return [*markdown(heads, rows), "", *lines]
+
+
+def _crossing(rows: list[Results]) -> str:
+    """Say from which degree on the FFT is faster, between the measured ones in proportion."""
+    picture = f"{rows[0]['W']} x {rows[0]['H']}"
+    for low, high in pairwise(rows):
+        gains = [row["product"] - row["fft"] for row in (low, high)]
+        if gains[0] <= 0 < gains[1]:
+            F = low["F"] + (high["F"] - low["F"]) * gains[0] / (gains[0] - gains[1])
+            saved, at = max((1 - row["with_fft"] / row["whole"], row["F"]) for row in rows)
+            return (
+                f"- {picture}: the FFT is faster from F = {F:.0f} on, and would take at the most "
+                f"{100 * saved:.0f}% off an analysis (F = {at})."
+            )
+    return f"- {picture}: no degree measured is faster by FFT."
+
+
+def kernels(results: Results) -> list[str]:
+    """Return the hottest kernels, one thread, and how near the machine's limit they come."""
+    rows = [
+        [
+            row["work"],
+            milliseconds(row["ms"]),
+            *(f"{row[unit]:.0f} {unit}" for unit in ("GFLOP/s", "GB/s")),
+            f"{100 * row['share']:.0f}% of {row['bound']}",
+        ]
+        for row in of_group(results, "kernels")[0]["extra_info"]["rows"]
+    ]
+    return markdown(["call, 1 thread", "best", "arithmetic", "memory", "of the limit"], rows)
+
+
+TABLES = {
+    "machine": machine,
+    "kernels": kernels,
+    "beside the prototype": beside_the_prototype,
+    "Fourier": fourier,
+}
+
+
+def written(results: Results, names: str) -> str:
+    """Return the table that a marker names, under a line that says where it was measured."""
+    about = results["benchmarks"][0]["extra_info"]
+    where = f"{about['machine']}, {about['threads']} threads, float32 RGB, commit {about['commit']}:"
+    asked = [name.strip() for name in names.split(",")]
+    lines = TABLES[asked[0]](results) if asked[0] in TABLES else measured(results, asked)
+    return "\n".join([where, "", *lines])
 
 
 def main() -> int:
-    """Put the table between the markers of the README: `python bench/report.py build/bench.json`."""
     if len(sys.argv) != 2:
         print("usage: python bench/report.py build/bench.json", file=sys.stderr)
         return 2
-    written = table(json.loads(Path(sys.argv[1]).read_text()))
-    text = README.read_text()
-    if BEGIN not in text or END not in text:
-        print(f"{README.name}: the markers of the table are not there", file=sys.stderr)
-        return 1
-    before, rest = text.split(BEGIN, 1)
-    after = rest.split(END, 1)[1]
-    README.write_text(f"{before}{BEGIN}\n\n{written}\n\n{END}{after}")
-    print(written)
-    return 0
+    results = json.loads(Path(sys.argv[1]).read_text())
+    status = 0
+    for page in PAGES:
+        name, text = page.relative_to(ROOT), page.read_text()
+        try:
+            page.write_text(
+                MARKED.sub(lambda found: f"{found[1]}\n{written(results, found[2])}\n\n{found[3]}", text)
+            )
+            print(f"{name}: {len(MARKED.findall(text))} tables")
+        except ValueError as error:
+            print(f"{name}: {error}", file=sys.stderr)
+            status = 1
+    return status
 
 
 if __name__ == "__main__":

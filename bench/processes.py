@@ -1,0 +1,20 @@
+"""Measurements in processes of their own: OpenMP fixes its threads when it starts."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+
+def found_by(script: str, *arguments: str, threads: int) -> Any:
+    """Run a script of this folder with so many threads, and return what it printed, as JSON."""
+    done = subprocess.run(
+        [sys.executable, str(Path(__file__).with_name(script)), *arguments],
+        env={**os.environ, "OMP_NUM_THREADS": str(threads)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return json.loads(done.stdout)
