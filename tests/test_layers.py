@@ -35,6 +35,7 @@ PYTHON_ORDER = [
     ["reference"],
     ["cost"],
     ["prefiltering"],
+    ["methods"],
     ["relighting"],
     ["transfer"],
     ["render"],

@@ -52,7 +52,7 @@ def albedo(brdf: BRDF) -> np.ndarray:
     theta_v = np.zeros(1)
     nodes = horizon_quadrature(theta_v, 1e-4, 0, 4, 8)
     table = tabulate(brdf.lobes[0].transfer, theta_v, theta_v, nodes)
-    return np.einsum("vikc,vi,vik->c", table, nodes.weight_theta, nodes.weight_phi)
+    return np.einsum("vkic,vi,vi,k->c", table, nodes.weight_theta, 2 * nodes.arc, nodes.weight_share)
 
 
 # ---- The fits

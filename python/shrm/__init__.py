@@ -15,8 +15,8 @@ The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `
 from shrm import brdf, explicit, orders, sh
 from shrm.environment import Environment
 from shrm.image_io import ImageError, ImageWarning
+from shrm.methods import prefilter
 from shrm.orders import ToleranceWarning
-from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
 from shrm.reflection_map import ReflectionMap
 from shrm.relighting import Prefilter

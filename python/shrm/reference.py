@@ -196,10 +196,10 @@ def prefilter_angular(
     """
     pixels = _pixels(env)
     tolerance = fraction("tolerance", tolerance)
-    one_of("layout", layout, _DEFAULT_SIZE)
+    one_of("layout", layout, DEFAULT_SIZE)
     if center is not None:
         one_of("center", center, ("lobe", "reflection", "normal"))
-    edge = _DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
+    edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
     if subsamples is not None:
         subsamples = whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES)
     if not isinstance(symmetry, bool):
@@ -210,7 +210,7 @@ def prefilter_angular(
     return AngularReflection(pixels, parts, edge, layout, subsamples, symmetry)
 
 
-_DEFAULT_SIZE = {"latlong": 128, "cube": 64}
+DEFAULT_SIZE = {"latlong": 128, "cube": 64}
 
 
 class AngularReflection:

@@ -1,0 +1,153 @@
+"""Prefiltering by one method or the other: in frequency space, by integration, or by what costs less."""
+
+from __future__ import annotations
+
+from typing import Literal, get_args, overload
+
+from shrm import prefiltering
+from shrm.brdf import BRDF
+from shrm.brdf.lobe import Center
+from shrm.cost import ANGULAR_SHARE, cheaper
+from shrm.environment import Environment
+from shrm.orders import F_MAX, P_MAX, Criterion, require_tolerance
+from shrm.prefiltering import Window
+from shrm.reference import DEFAULT_SIZE, AngularReflection, prefilter_angular
+from shrm.reflection_map import Layout, ReflectionMap
+from shrm.validation import one_of, whole_number
+
+Method = Literal["frequency", "angular", "auto"]
+
+
+@overload
+def prefilter(
+    env: Environment,
+    brdf: BRDF,
+    *,
+    tolerance: float = ...,
+    orders: tuple[int, int] | None = ...,
+    criterion: Criterion = ...,
+    size: int | None = ...,
+    layout: Layout = ...,
+    center: Center | None = ...,
+    F_max: int = ...,
+    P_max: int = ...,
+    window: Window | None = ...,
+    clamp: bool = ...,
+    half: bool = ...,
+    method: Literal["frequency"] = ...,
+    views: int = ...,
+) -> ReflectionMap: ...
+
+
+@overload
+def prefilter(
+    env: Environment,
+    brdf: BRDF,
+    *,
+    tolerance: float = ...,
+    size: int | None = ...,
+    layout: Layout = ...,
+    center: Center | None = ...,
+    F_max: int = ...,
+    P_max: int = ...,
+    method: Literal["angular", "auto"],
+    views: int = ...,
+) -> ReflectionMap | AngularReflection: ...
+
+
+def prefilter(
+    env: Environment,
+    brdf: BRDF,
+    *,
+    tolerance: float = 0.05,
+    orders: tuple[int, int] | None = None,
+    criterion: Criterion = "light",
+    size: int | None = None,
+    layout: Layout = "latlong",
+    center: Center | None = None,
+    F_max: int = F_MAX,
+    P_max: int = P_MAX,
+    window: Window | None = None,
+    clamp: bool = False,
+    half: bool = False,
+    method: Method = "frequency",
+    views: int = 1,
+) -> ReflectionMap | AngularReflection:
+    """Prefilter an environment with a material.
+
+    Parameters
+    ----------
+    env : Environment
+        The light.
+    brdf : BRDF
+        The material, of one lobe or several.
+    tolerance : float
+        The error wanted, in (0, 1); by default the relative RMS of the reflected radiance.
+    orders, criterion, size, layout, center, F_max, P_max, window, clamp, half
+        As in `shrm.prefiltering.prefilter`.
+    method : {"frequency", "angular", "auto"}
+        In frequency space; by integration (`shrm.prefilter_angular`), for sharp lobes; or whichever is
+        predicted to cost less at the tolerance (`shrm.cost`). Integration knows no orders, windows, clamping
+        and halves.
+    views : int
+        For how many views a map is wanted, for the prediction.
+
+    Returns
+    -------
+    ReflectionMap or AngularReflection
+        Both have `radiance`, `at_view`, `size` and `layout`.
+
+    Warns
+    -----
+    ToleranceWarning
+        If the method is "frequency" and cannot meet the tolerance within the caps.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of another type or out of its range, or does not go with the method.
+    """
+    one_of("method", method, get_args(Method))
+    whole_number("views", views, 1)
+    if method == "frequency":
+        return prefiltering.prefilter(
+            env,
+            brdf,
+            tolerance=tolerance,
+            orders=orders,
+            criterion=criterion,
+            size=size,
+            layout=layout,
+            center=center,
+            F_max=F_max,
+            P_max=P_max,
+            window=window,
+            clamp=clamp,
+            half=half,
+        )
+    if orders is not None or criterion != "light" or window is not None or clamp or half:
+        raise ValueError(
+            f"method {method!r} takes no orders, criterion, window, clamp or half: use method='frequency'"
+        )
+    require_tolerance(tolerance)
+    one_of("layout", layout, get_args(Layout))
+    if method == "auto":
+        material = brdf if center is None or not isinstance(brdf, BRDF) else brdf.recentred(center)
+        edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 2, 8192)
+        chosen = cheaper(
+            env, material, tolerance, size=edge, layout=layout, views=views, F_max=F_max, P_max=P_max
+        )
+        if chosen == "frequency":
+            return prefiltering.prefilter(
+                env,
+                brdf,
+                tolerance=tolerance,
+                size=size,
+                layout=layout,
+                center=center,
+                F_max=F_max,
+                P_max=P_max,
+            )
+    return prefilter_angular(
+        env, brdf, tolerance=ANGULAR_SHARE * tolerance, size=size, layout=layout, center=center
+    )

@@ -1,0 +1,87 @@
+"""The method of prefiltering: by name, or by what costs less at the wanted error."""
+
+import numpy as np
+import oracles
+import pytest
+from shrm import Environment, ReflectionMap, ToleranceWarning, brdf, cost, orders, prefilter
+from shrm.reference import AngularReflection, integrate
+
+SKY = Environment.daylight(size=32)
+
+
+def relative_rms(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.sqrt(((a - b) ** 2).sum() / (b**2).sum()))
+
+
+def seconds(s: float, H: int, layout: str = "latlong") -> tuple[float, float]:
+    """Predicted for Phong between pictures of H rows, F as [RH02] appendix D has it."""
+    material, F = brdf.Phong(s), int(np.ceil(np.sqrt(-s * np.log(0.01))))
+    chosen = orders.Orders(F, 0, 0.0, "", (orders.LobeOrders(F, 0, 0.0, 1.0),))
+    work = (2 * H * H, material, chosen, 2 * H * H, layout, 1)
+    return cost.frequency_seconds(*work), cost.angular_seconds(*work)  # type: ignore[arg-type]
+
+
+def test_by_name():
+    material = brdf.Phong(20)
+    assert isinstance(prefilter(SKY, material), ReflectionMap)
+    assert isinstance(prefilter(SKY, material, method="auto"), ReflectionMap)
+    angular = prefilter(SKY, material, method="angular", size=16, layout="cube")
+    assert isinstance(angular, AngularReflection)
+    assert (angular.size, angular.layout) == (16, "cube")
+
+
+def test_frequency_costs_more_with_the_exponent_and_integration_less():
+    exponents = 2.0 ** np.arange(2, 14)
+    times = np.array([seconds(s, 512) for s in exponents])
+    assert (np.diff(times[:, 0]) >= 0).all()
+    assert (np.diff(times[:, 1]) <= 0).all()
+    # eq. 9 and eq. 10 cross once
+    cheaper = times[:, 0] <= times[:, 1]
+    assert cheaper[0]
+    assert (np.diff(cheaper.astype(int)) <= 0).all()
+
+
+def test_integration_costs_as_the_square_of_the_texels():
+    # eq. 10, where tables and calls no longer count
+    assert seconds(8, 4096)[1] / seconds(8, 2048)[1] == pytest.approx(16, rel=0.01)
+    # eq. 9 at fixed F
+    assert seconds(8, 4096)[0] / seconds(8, 2048)[0] == pytest.approx(4, rel=0.05)
+
+
+def test_what_frequency_space_cannot_reach_is_integrated():
+    mirror = brdf.GGX(0.05)
+    with pytest.warns(ToleranceWarning):
+        prefilter(SKY, mirror, tolerance=0.02, F_max=20, P_max=2, size=8)
+    found = prefilter(SKY, mirror, tolerance=0.02, F_max=20, P_max=2, size=8, method="auto")
+    assert isinstance(found, AngularReflection)
+    N, V = oracles.random_views(40, seed=3)
+    exact = integrate(SKY, mirror, N, V, subsamples=4)
+    # The bare sun: nodes finer than texels are needed, and had by default.
+    assert relative_rms(found.radiance(N, V), exact) < 0.02
+
+
+@pytest.mark.parametrize("method", ["frequency", "angular", "auto"])
+def test_either_way_the_tolerance_is_met(method):
+    material, view = brdf.Phong(40), [0.0, 0.0, 1.0]
+    # A radial lobe's map is the reflected light over all directions; at F = 60 no energy is left out.
+    exact = prefilter(SKY, material, orders=(60, 0), size=48).at_view(view)
+    found = prefilter(SKY, material, tolerance=0.05, size=48, method=method).at_view(view)
+    area = np.sqrt(np.sin((np.arange(48) + 0.5) * np.pi / 48))[:, None, None]
+    assert relative_rms(area * found, area * exact) < 0.05
+
+
+def test_what_does_not_go_with_the_method_is_refused():
+    material = brdf.Phong(20)
+    with pytest.raises(ValueError, match="method must be one of frequency, angular, auto, got 'fast'"):
+        prefilter(SKY, material, method="fast")
+    for wrong in (
+        {"orders": (4, 0)},
+        {"criterion": "brdf"},
+        {"window": "hann"},
+        {"clamp": True},
+        {"half": True},
+    ):
+        with pytest.raises(ValueError, match="takes no orders"):
+            prefilter(SKY, material, method="auto", **{name: value})
+    with pytest.raises(ValueError, match="views must be"):
+        prefilter(SKY, material, views=0)
