@@ -164,3 +164,19 @@ def test_a_saved_map_of_halves_is_read_back_as_it_was(layout, tmp_path):
     view = [0.0, 0.6, 0.8]
     np.testing.assert_array_equal(back.at_view(view), rm.at_view(view))
     assert back.error == pytest.approx(rm.error, rel=1e-6)
+
+
+@pytest.mark.parametrize("layout", ["latlong", "cube"])
+def test_radiance_of_half_maps(layout):
+    env = Environment.daylight(size=32)
+    whole, half = (
+        prefilter(env, brdf.GGX(0.4), orders=(8, 2), size=16, layout=layout, half=flag)
+        for flag in (False, True)
+    )
+    rng = np.random.default_rng(8)
+    N, V = rng.normal(size=(2, 500, 3))
+    N /= np.linalg.norm(N, axis=1, keepdims=True)
+    V /= np.linalg.norm(V, axis=1, keepdims=True)
+    exact = whole.radiance(N, V)
+    # The relative rounding of a half, 2^-11, of maps whose sum has no more energy than they have.
+    assert np.sqrt(((half.radiance(N, V) - exact) ** 2).mean() / (exact**2).mean()) < 2**-11

@@ -74,13 +74,8 @@ def test_what_does_not_go_with_the_method_is_refused():
     material = brdf.Phong(20)
     with pytest.raises(ValueError, match="method must be one of frequency, angular, auto, got 'fast'"):
         prefilter(SKY, material, method="fast")
-    for wrong in (
-        {"orders": (4, 0)},
-        {"criterion": "brdf"},
-        {"window": "hann"},
-        {"clamp": True},
-        {"half": True},
-    ):
+    frequency_only = {"orders": (4, 0), "criterion": "brdf", "window": "hann", "clamp": True, "half": True}
+    for name, value in frequency_only.items():
         with pytest.raises(ValueError, match="takes no orders"):
             prefilter(SKY, material, method="auto", **{name: value})
     with pytest.raises(ValueError, match="views must be"):

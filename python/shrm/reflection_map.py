@@ -138,7 +138,7 @@ class Part:
         """Return the radiance from cubic look-ups in the maps at central directions; (n, 3)."""
         radiance = np.zeros(C.shape, dtype=np.float32)
         _core.add_radiance(
-            rings=self.rings.astype(np.float32, copy=False),
+            rings=self.rings,
             cube=self.layout == "cube",
             zonal=self.zonal,
             centre="tangent",  # the axis is C itself
