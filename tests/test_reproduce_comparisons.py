@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from data import require
 from light import band_limited_environment
-from shrm import brdf, explicit, prefilter
+from shrm import Environment, brdf, explicit, prefilter
 from shrm.reference import integrate, prefilter_angular
 from shrm.reproduce import figure_9, figure_10
 from shrm.reproduce.comparison import Frames
@@ -148,3 +149,10 @@ def test_quick_figures(figure):
     errors = np.array([row[-2:] for row in result.rows], dtype=float)
     assert np.all((errors > 0) & (errors < 1))
     assert f"| {result.columns[0]} |" in result.markdown()
+
+
+def test_the_fabric_is_the_fit_where_there_is_one():
+    folder = require("brdf/merl_sgd_bagher2012.json").parent
+    env = Environment.daylight(size=16)
+    assert figure_9.fabric(Settings(env, "daylight", folder)).name == figure_9.FIT[1]
+    assert figure_9.fabric(Settings(env, "daylight")).name != figure_9.FIT[1]

@@ -49,7 +49,7 @@ AZIMUTH, ELEVATION = 75.0, 12.0
 """Of the viewer: degrees from the brightest light, and above the horizon."""
 ROWS = 64
 """Of the light that both ways get: fabrics are broad lobes."""
-FIT = ("Bagher et al. 2012", "red-fabric")
+FIT = (fits.SOURCES["merl_sgd_bagher2012.json"][0], "red-fabric")
 
 
 Series = Mapping[tuple[Center, bool], Mapping[int, Judged]]
