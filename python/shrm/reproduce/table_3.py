@@ -158,14 +158,14 @@ def notes() -> list[str]:
         "1D against F: reading the texels, separating their channels and folding the circle cost the same"
         " for every F, as much as some 30 degrees; and orders are summed in whole vectors, 16 to a fold. The"
         " product itself grows as F. Against S: calls and tables of F alone are in every time.",
-        "SHRM: the product for the coefficients of the maps, F^2 P^2, is in every time whatever S_B. Against F,"
-        " the maps' degree is F + P, and unfolding and storing cost the same for every F.",
+        "SHRM: the product for the coefficients of the maps, F^2 P^2, is in every time whatever S_B. Against"
+        " F, the maps' degree is F + P, and unfolding and storing cost the same for every F.",
         "3D explicit maps: the sum over p is taken once for each theta of the view, then that over q, as the"
         " paper's conversion does. New memory for the maps costs the same for every P, the sums over p grow"
         " as T, and T = 10 [RH02 section 7.4] is small enough for their P^2 to show beside P.",
         f"Angular: every pixel integrated by itself over the lobe but for {EPSILON:.0%} of it, one node a"
-        " texel; W is varied by Phong's exponent [RH02 appendix D]. Half vectors are found once for a view, and at"
-        " S_L = 1024 they and the light no longer fit the caches.",
+        " texel; W is varied by Phong's exponent [RH02 appendix D]. Half vectors are found once for a view,"
+        " and at S_L = 1024 they and the light no longer fit the caches.",
     ]
 
 
