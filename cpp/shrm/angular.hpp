@@ -1,6 +1,6 @@
 // angular: prefiltering by direct integration over the texels of a picture, the way it was
 // done before frequency space [RH02 sections 6 and 7.4, appendix D]. It is the rival and the
-// judge of the spherical harmonic reflection map and shares no code with it.
+// judge of the spherical harmonic reflection map, and shares nothing with it but Gauss's nodes.
 //
 // A picture is piecewise constant: reflected light is the sum over texels of the radiance times
 // the integral of the transfer function rho_hat over the texel. That integral is a product
@@ -92,7 +92,8 @@ struct IsotropicTable {
     int azimuth_intervals;
 };
 
-// Reflected radiance for each centre, out [query][3].
+// Reflected radiance for each centre, a unit vector: out [query][3]. Only lights within `outer` of it, in
+// radians, are visited.
 void integrate_radial(const Picture& picture, const RadialProfile& profile, double outer,
                       std::span<const glm::dvec3> centres, std::span<float> out);
 
@@ -103,16 +104,17 @@ void integrate_radial(const Picture& picture, const RadialProfile& profile, doub
 void integrate_radial_map(const Picture& picture, const RadialProfile& profile, double outer, int map_H,
                           int map_W, bool symmetry, std::span<float> out);
 
-// Axes, and each query's angle theta_o of the view from its axis.
+// Reflected radiance for each axis, the view at theta_o, in radians, from it: out [query][3].
 void integrate_zonal(const Picture& picture, const ZonalProfiles& profiles, std::span<const glm::dvec3> axes,
                      std::span<const double> theta_o, std::span<float> out);
 
-// Views above the horizon of their normals. A profile of one channel.
+// Reflected radiance for each normal and view, the view above the normal's horizon: out [query][3]. A profile
+// of one channel.
 void integrate_half_angle(const Picture& picture, const RadialProfile& profile, std::span<const Cap> caps,
                           std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views,
                           std::span<float> out);
 
-// Views above the horizon of their normals.
+// The same for any isotropic table.
 void integrate_isotropic(const Picture& picture, const IsotropicTable& table,
                          std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views,
                          std::span<float> out);

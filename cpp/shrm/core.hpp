@@ -59,7 +59,7 @@
 //
 // INDEX, in the order the data flows
 //   quadrature      Gauss-Legendre nodes and weights
-//   trigonometry    functions of eight angles at once
+//   trigonometry    functions of eight angles at once, in float64
 //   layouts         pictures of the sphere: directions, positions, solid angles of texels
 //   grid            area-exact conversion from one picture to another
 //   legendre        f_lm, the theta part of Y_lm, by recurrence
@@ -70,15 +70,16 @@
 //   brdf_analysis   material: the transfer function's coefficients rho_lpq
 //   map_coefficients  the product of both: the coefficients of the reflection map's own maps
 //   synthesis       from coefficients to maps, on a lat-long grid
-//   cube_synthesis  on a cube
-//   evaluation      at any directions
+//   cube_synthesis  the same on a cube
+//   evaluation      the same at any directions
 //   reflection_map  the paper's way to the same maps: the local form, rotated texel by texel
 //   half            maps as half floats
 //   view_harmonics  the basis of the view at one direction
 //   view_map        all central directions under one view: the dynamic reflection map
 //   radiance        looking a reflection map up, point by point
 //   explicit_maps   the dynamic maps of many views at once
-//   angular         direct integration over lobes; shares no code with the above, to judge it. Its parts:
+//   angular         direct integration over lobes; shares nothing with the above but Gauss's nodes
+//                   (quadrature), to judge it. Its parts:
 //                   texels   the nodes of a picture's texels, and which of them a lobe visits
 //                   lanes    vectors of the instruction set, and sums in them
 //                   profile  a radial profile in lanes, and the innermost loops

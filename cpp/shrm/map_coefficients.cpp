@@ -27,8 +27,8 @@ void MapCoefficients::couple() {
     for (int j = 0; j <= degree(); ++j)
         for (int p = std::max(0, j - F_); p <= P_; ++p) {
             const std::size_t first_shape = shapes_.size();
-            // For odd l + p - j the terms of s and -s cancel: <l -s p s | j 0> = (-1)^{l+p-j} <l s p -s | j
-            // 0>.
+            // For odd l + p - j the terms of s and -s cancel:
+            // <l -s p s | j 0> = (-1)^{l+p-j} <l s p -s | j 0>   [VMK88 8.4].
             for (int l = std::abs(j - p); l <= std::min(F_, j + p); l += 2) {
                 shapes_.push_back({p, l, factors});
                 factors += size(std::min(l, p)) + 1;

@@ -1,6 +1,7 @@
-// The spherical harmonic reflection map: from the coefficients of light and material to maps, and from maps
-// to radiance. Central directions C = (alpha, beta) index the maps; each texel holds the coefficients of a
-// spherical harmonic series in the view.
+// The spherical harmonic reflection map the paper's way: the local form from the coefficients of light and
+// material, then each texel's series turned into the global form. Global maps in use are made at once, by
+// map_coefficients and synthesis, and compared with these. Central directions C = (alpha, beta) index the
+// maps; each texel holds the coefficients of a spherical harmonic series in the view.
 //
 //   light    L_lm, real basis            ((F+1)^2, channels)
 //   rho      rho_lpq, 0 <= q <= p        (F+1, P+1, P+1, channels), zero where q > min(l, p)

@@ -9,7 +9,8 @@
 
 namespace shrm {
 
-// What depends on the degree alone, and the memory to work in: repeated runs allocate nothing.
+// What depends on the degree alone, and the memory to work in: repeated runs allocate nothing, and go one
+// after the other.
 class Rotation {
   public:
     Rotation(int F, int channels);

@@ -38,7 +38,7 @@ inline void real_harmonics(int P, const Vector& direction, Value* Y) {
     }
 }
 
-// Y_p0 at the angle between C and V.
+// Y_p0 for all p <= P at the angle between C and V whose cosine is given: Y (P+1).
 template <class Value>
 inline void zonal_harmonics(int P, const Value& cosine, Value* Y) {
     const LegendreRecurrence& recurrence = view_recurrence();
