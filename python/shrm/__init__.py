@@ -8,8 +8,8 @@ rendered in real time:
 >>> rm = shrm.prefilter(env, shrm.brdf.GGX(0.3), tolerance=0.05)
 >>> radiance = rm.radiance([[0.0, 0.0, 1.0]], [0.6, 0.0, 0.8])
 
-The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `orders`, `prefiltering`,
-`relighting`, `reflection_map`, `explicit`, `reference`, `render`.
+The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `orders`, `reflection_map`,
+`explicit`, `reference`, `cost`, `prefiltering`, `methods`, `relighting`, `render`.
 """
 
 from shrm import brdf, explicit, orders, sh

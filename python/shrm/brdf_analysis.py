@@ -191,11 +191,11 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
 
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
+    """Both angles of the light, [RH02] appendix C: more nodes where two sets of them do not agree."""
     # Low orders need fewer nodes. g is good to 1e-4 (relative RMS) with either set, most lobes to 1e-5.
     low = P <= 3 and L <= 32
-    Q = min(
-        L, max(P, 8 if low else 24)
-    )  # beyond P for the energy of all azimuths, which order selection needs
+    # Beyond P, for the energy of all azimuths, which order selection needs
+    Q = min(L, max(P, 8 if low else 24))
     views = 12 + (6 * P + L) // 4  # g holds more orders than P
     found = _projected(lobe, L, P, Q, views, K=20 if low else 32, least=6)
     if found.quadrature_error > _ROUGH:

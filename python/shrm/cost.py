@@ -68,6 +68,15 @@ def cheaper(
         For how many views a map is wanted.
     F_max, P_max : int
         Caps on the orders.
+
+    Returns
+    -------
+    {"frequency", "angular"}
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `shrm.orders.choose`.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)
@@ -101,8 +110,8 @@ def angular_seconds(
     """Predict the time by integration: tables, and each texel of a map against those of the light in its cap.
 
     The cap's share of the sphere is taken from the lobe's degree: cos^s has all but eps of its integral
-    within -ln(eps) / 2 s of it, and all but eps' of its energy up to F^2 = -s ln(eps') [RH02 appendix D]; at
-    .05 and .01 the share is 7 / F^2.
+    in the share -ln(eps) / (2 s) of the sphere about its axis, and all but eps' of its energy up to F^2 =
+    -s ln(eps') [RH02 appendix D]; for eps = .05 and eps' = .01 the share is 7 / F^2.
     """
     seconds = _CALL
     for lobe, of_lobe in zip(brdf.lobes, orders.lobes, strict=True):

@@ -36,7 +36,13 @@ def icosahedron() -> FloatArray:
 
 
 def grid_views(T: int) -> FloatArray:
-    """Return T x T views in the lat-long convention of environments: (T, T, 3) unit vectors."""
+    """Return T x T views in the lat-long convention of environments: (T, T, 3) unit vectors; T is 1 to 256.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If T is no whole number in its range.
+    """
     whole_number("T", T, 1, 256)
     theta = (np.arange(T) + 0.5) * np.pi / T
     phi = np.pi - 2 * np.pi * (np.arange(T) + 0.5) / T
@@ -72,15 +78,31 @@ def maps_at_views(rm: ReflectionMap, views: npt.ArrayLike) -> Float32Array:
 
 
 def icosahedral_maps(rm: ReflectionMap) -> Float32Array:
-    """Return Cabral's twelve maps [CON99]: the views are the vertices of `icosahedron`."""
+    """Return Cabral's twelve maps [CON99]: those of `maps_at_views` at the vertices of `icosahedron`."""
     return maps_at_views(rm, icosahedron())
 
 
 def reflection_maps(rm: ReflectionMap, T: int) -> Float32Array:
-    """Return an explicit T x T set of maps, for the views of `grid_views`: (T, T, H, W, 3) float32.
+    """Return an explicit T x T set of maps, for the views of `grid_views`.
 
     Views on a grid let the sum over p be shared by all azimuths: O(P) for each texel of each map
     [RH02 appendix C].
+
+    Parameters
+    ----------
+    rm : ReflectionMap
+        Of a material with one centre.
+    T : int
+        Rows and columns of the grid of views, 1 to 256.
+
+    Returns
+    -------
+    (T, T, H, W, 3) float32, or (T, T, 6, N, N, 3) for cubes
+
+    Raises
+    ------
+    TypeError, ValueError
+        If T is out of its range, or the material has lobes about several centres.
     """
     views = grid_views(T).reshape(-1, 3)
     if len(rm.parts) != 1 or rm.parts[0].zonal:

@@ -87,8 +87,8 @@ def prefilter(
         As in `shrm.prefiltering.prefilter`.
     method : {"frequency", "angular", "auto"}
         In frequency space; by integration (`shrm.prefilter_angular`), for sharp lobes; or whichever is
-        predicted to cost less at the tolerance (`shrm.cost`). Integration knows no orders, windows, clamping
-        and halves.
+        predicted to cost less at the tolerance (`shrm.cost`). Integration knows no orders, criteria,
+        windows, clamping or halves.
     views : int
         For how many views a map is wanted, for the prediction.
 

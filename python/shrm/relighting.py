@@ -1,7 +1,8 @@
 """Relighting: a reflection map that follows its light.
 
 What depends on the sizes, the orders and the material alone is made once. A frame then takes an analysis (or
-none, if the light has only turned: its coefficients are rotated), a product and a synthesis.
+none, if the light has only turned: its coefficients are rotated), a product and a synthesis [RH02 section
+6.1, appendix C].
 
 References
 ----------

@@ -132,7 +132,8 @@ def rotate(coefficients: npt.ArrayLike, R: npt.ArrayLike) -> FloatArray:
 class Plan:
     """Analysis and synthesis at one size, again and again.
 
-    Its tables are made once; with `out` given, a call allocates no arrays. Threads may share a plan: each
+    Its tables are made once; with `out` given, a call allocates no arrays but those of a check for numbers
+    that are not finite. Threads may share a plan: each
     waits for its turn.
 
     Parameters
@@ -146,6 +147,11 @@ class Plan:
     areas : bool
         Whether texels are areas, as in `Environment.coefficients`, or samples at their centres, as in
         `analysis`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a size is no whole number in its range, or areas no bool.
 
     Examples
     --------
@@ -244,7 +250,7 @@ def basis_size(F: int) -> int:
 
 
 def degree_of(coefficients: npt.NDArray[np.generic]) -> int:
-    """Return F of an array with (F+1)^2 rows."""
+    """Return F of an array with (F+1)^2 rows; ValueError if their number is no square."""
     F = round(float(np.sqrt(len(coefficients)))) - 1
     if F < 0 or basis_size(F) != len(coefficients):
         raise ValueError(f"coefficients must have (F+1)^2 rows, got {len(coefficients)}")

@@ -1,7 +1,7 @@
 """The C++ core, in the build for the best instruction set this processor has.
 
 The environment variable SHRM_INSTRUCTION_SET chooses another: portable, x86-64-v3 (AVX2) or x86-64-v4
-(AVX-512). Results agree to 1e-6.
+(AVX-512). One that this processor or build has not is an ImportError. Results agree to 1e-6.
 """
 
 import os
