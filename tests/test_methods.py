@@ -80,3 +80,23 @@ def test_what_does_not_go_with_the_method_is_refused():
             prefilter(SKY, material, method="auto", **{name: value})
     with pytest.raises(ValueError, match="views must be"):
         prefilter(SKY, material, views=0)
+
+
+@pytest.mark.parametrize("H", [4, 16])
+def test_a_lobe_far_narrower_than_texels_reflects_all_of_a_constant_light(H):
+    white = Environment(np.ones((H, 2 * H, 3), dtype=np.float32))
+    found = prefilter(white, brdf.Phong(20000.0), tolerance=0.05, size=16, method="angular")
+    # Phong reflects all light; at most 0.75 x 5% may be cut off.
+    np.testing.assert_allclose(found.at_view([0.0, 0.0, 1.0]), 1.0, atol=0.0375)
+
+
+def test_what_no_nodes_resolve_is_said():
+    # The half width of cos^s is sqrt(2 ln 2 / s): a thousandth of the spacing of 2048 columns' nodes.
+    with pytest.warns(UserWarning, match="narrower than what the nodes resolve"):
+        prefilter(SKY, brdf.Phong(1e10), tolerance=0.05, size=2, method="angular")
+
+
+def test_both_results_say_their_size_and_layout():
+    for method in ("frequency", "angular", "auto"):
+        found = prefilter(SKY, brdf.Phong(20), size=12, layout="cube", method=method)
+        assert (found.size, found.layout) == (12, "cube")

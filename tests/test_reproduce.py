@@ -137,3 +137,13 @@ def test_only_what_is_asked_for_or_nothing(shrm: Command, tmp_path: Path) -> Non
     assert status == 1
     assert str(tmp_path / "nowhere") in err
     assert not (tmp_path / "out").exists()
+
+
+def test_light_that_is_black_is_refused(shrm: Command, tmp_path: Path) -> None:
+    from shrm.image_io import write_image
+
+    write_image(tmp_path / "black.exr", np.zeros((8, 16, 3), dtype=np.float32))
+    status, _, err = shrm("reproduce", "figure-6", "--env", tmp_path / "black.exr", "-o", tmp_path / "out")
+    assert status == 1
+    assert "every texel is black" in err
+    assert not (tmp_path / "out").exists()

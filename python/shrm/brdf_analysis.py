@@ -196,12 +196,15 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     low = P <= 3 and L <= 32
     # Beyond P, for the energy of all azimuths, which order selection needs
     Q = min(L, max(P, 8 if low else 24))
-    views = 12 + (6 * P + L) // 4  # g holds more orders than P
+    views = 12 + (6 * P + max(L, _LEAST_DEGREE)) // 4  # g holds more orders than P
     found = _projected(lobe, L, P, Q, views, K=20 if low else 32, least=6)
     if found.quadrature_error > _ROUGH:
         return _projected(lobe, L, P, Q, max(views, 64), K=48, least=12)
     return found
 
+
+_LEAST_DEGREE = 30
+"""Nodes are for at least this degree: what a sharp lobe has beyond L must not be taken for what is below."""
 
 _ROUGH = 1e-6
 """The quadrature error above which a lobe is taken to have jumps, and gets more nodes."""
@@ -216,12 +219,13 @@ def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, 
     measured, width = lobe_centre(lobe.function)
     gamma = measured if lobe.center == "lobe" else gamma_table(lobe.center)
     at_view = gamma_at(gamma, theta_v)
-    nodes = horizon_quadrature(at_view, width, L, K, least)
+    resolved = max(L, _LEAST_DEGREE)
+    nodes = horizon_quadrature(at_view, width, resolved, K, least)
     g, energy = _project(tabulate(lobe.transfer, theta_v, at_view, nodes), nodes, L, Q)
 
     # The same by other nodes at every eighth view: what smooth lobes agree on and jumps do not
     few = np.arange(3, views, 8)
-    others = horizon_quadrature(at_view[few], width, L, K + 7, least + 3)
+    others = horizon_quadrature(at_view[few], width, resolved, K + 7, least + 3)
     other, _ = _project(tabulate(lobe.transfer, theta_v[few], at_view[few], others), others, L, Q)
     difference = np.einsum("cql,q->", (g[..., few] - other) ** 2 @ weight[few], _multiplicity(Q))
     whole = float((energy[:, few] @ weight[few]).sum())

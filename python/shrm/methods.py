@@ -9,7 +9,7 @@ from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center
 from shrm.cost import ANGULAR_SHARE, cheaper
 from shrm.environment import Environment
-from shrm.orders import F_MAX, P_MAX, Criterion, require_tolerance
+from shrm.orders import F_MAX, P_MAX, Criterion, require_orders, require_tolerance
 from shrm.prefiltering import Window
 from shrm.reference import DEFAULT_SIZE, AngularReflection, prefilter_angular
 from shrm.reflection_map import Layout, ReflectionMap
@@ -129,11 +129,16 @@ def prefilter(
         raise ValueError(
             f"method {method!r} takes no orders, criterion, window, clamp or half: use method='frequency'"
         )
+    if not isinstance(brdf, BRDF):
+        raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
     require_tolerance(tolerance)
+    require_orders(F_max, P_max, names=("F_max", "P_max"))
+    if size is not None:
+        whole_number("size", size, 2, 8192)
     one_of("layout", layout, get_args(Layout))
     if method == "auto":
-        material = brdf if center is None or not isinstance(brdf, BRDF) else brdf.recentred(center)
-        edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 2, 8192)
+        material = brdf if center is None else brdf.recentred(center)
+        edge = DEFAULT_SIZE[layout] if size is None else size
         chosen = cheaper(
             env, material, tolerance, size=edge, layout=layout, views=views, F_max=F_max, P_max=P_max
         )

@@ -10,6 +10,7 @@ Environment Map Rendering", ACM TOG 21(3), 2002 ([RH02]), sections 6 and 7.4, ta
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from typing import Any, Protocol
 
@@ -31,6 +32,8 @@ Array = npt.NDArray[np.float64]
 Radiance = npt.NDArray[np.float32]
 
 LARGEST_SUBSAMPLES = 16
+LARGEST_CUT = 2048
+"""Columns of a picture whose texels are cut for narrow lobes."""
 
 
 class Environment(Protocol):
@@ -178,7 +181,8 @@ def prefilter_angular(
         not depend on it.
     subsamples : int, optional
         Each texel is sampled by subsamples^2 Gauss nodes, in [1, 16]. Default: as many as put nodes closer
-        than a quarter of the narrowest lobe's width, at least 2; error about 1e-3 or less.
+        than a quarter of the narrowest lobe's width, at least 2, the texels themselves cut where 16 do not
+        suffice; error about 1e-3 or less, or a warning.
     symmetry : bool
         Whether lat-long maps of radial lobes are made by their symmetry about the axis: the weights of the
         texels are found once for each row of the map and slid along it. False evaluates the angle and the
@@ -244,7 +248,18 @@ class AngularReflection:
         if subsamples is None:
             narrowest = min(part.width for part in parts)
             spacing = max(np.pi / H, 2 * np.pi / W)
-            subsamples = int(np.clip(np.ceil(4 * spacing / narrowest), 2, LARGEST_SUBSAMPLES))
+            needed = max(2, int(np.ceil(4 * spacing / narrowest)))
+            # Texels may be cut in smaller ones of the same radiance where their own nodes do not suffice.
+            cut = min(-(-needed // LARGEST_SUBSAMPLES), max(1, LARGEST_CUT // max(H, W)))
+            pixels = pixels.repeat(cut, axis=0).repeat(cut, axis=1)
+            H, W = cut * H, cut * W
+            subsamples = min(-(-needed // cut), LARGEST_SUBSAMPLES)
+            if cut * subsamples < needed:
+                warnings.warn(
+                    f"a lobe {narrowest:.1g} rad wide is narrower than what the nodes resolve: up to"
+                    f" {spacing / (cut * subsamples):.1g} rad between them",
+                    stacklevel=3,
+                )
         columns = np.arange(2 * W + _core.ANGULAR_LANES) % W
         # cos(i pi/H) - cos((i+1) pi/H) without cancellation, times 2 pi/W
         solid_angle = 4 * np.pi / W * np.sin(np.pi * (np.arange(H) + 0.5) / H) * np.sin(0.5 * np.pi / H)

@@ -269,6 +269,11 @@ class ReflectionMap:
         """The grid of the maps."""
         return self.parts[0].layout
 
+    @property
+    def size(self) -> int:
+        """Rows of a lat-long map, or of a cube's face."""
+        return self.parts[0].size
+
     @cached_property
     def error(self) -> float:
         """The error predicted, in the criterion's measure.

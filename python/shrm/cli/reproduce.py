@@ -55,6 +55,8 @@ def run(options: argparse.Namespace) -> None:
         raise NotADirectoryError(errno.ENOTDIR, "is not a folder", str(options.fits))
     with progress("Reading the environment"):
         env = read_environment(options)
+    if not env.pixels.any():
+        raise ValueError(f"{options.env}: every texel is black, and nothing reflects no light")
     settings = Settings(env, Path(options.env).stem, options.fits, options.quick)
     results = []
     for name in names():
