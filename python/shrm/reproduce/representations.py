@@ -11,15 +11,15 @@ References
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm import sh
-from shrm.explicit import icosahedron
+from shrm.reproduce.icosahedral import weights
 
 FloatArray = npt.NDArray[np.float64]
 Float32Array = npt.NDArray[np.float32]
@@ -41,12 +41,12 @@ def corners(H: int, W: int, directions: FloatArray) -> Iterator[tuple[IntArray, 
             yield row * W + column, (weight_i * weight_j).astype(np.float32)[:, None]
 
 
-class Representation:
+class Representation(ABC):
     """What is stored, and how radiance is read from it."""
 
+    @abstractmethod
     def radiance(self, R: FloatArray, V: FloatArray) -> npt.NDArray[np.floating]:
         """Return the radiance for reflected views and views, each (n, 3); (n, 3)."""
-        raise NotImplementedError
 
     @property
     def bytes(self) -> int:
@@ -80,21 +80,16 @@ class Icosahedral(Representation):
     maps: Float32Array
 
     def radiance(self, R: FloatArray, V: FloatArray) -> npt.NDArray[np.floating]:
-        """Bilinear in R, barycentric in the flat triangle that V meets."""
+        """Bilinear in R, barycentric in the triangle that holds V."""
         _, H, W, _ = self.maps.shape
         texels = self.maps.reshape(12, H * W, 3)
-        vertices = icosahedron()
-        edge = 1 / np.sqrt(5) - 1e-6  # the cosine between neighbours
-        near = vertices @ vertices.T > edge
-        faces = np.array([f for f in combinations(range(12), 3) if near[np.ix_(f, f)].all()])
-        shares = np.einsum("nk,fkv->nfv", V, np.linalg.inv(vertices[faces]))
-        face = shares.min(axis=2).argmax(axis=1)
-        share = shares[np.arange(len(V)), face]
-        share /= share.sum(axis=1, keepdims=True)
+        shares = weights(V)
+        near = np.argsort(shares, axis=1)[:, -3:]
+        share = np.take_along_axis(shares, near, axis=1).astype(np.float32)
         found = np.zeros(R.shape, dtype=np.float32)
         for texel, weight in corners(H, W, R):
             for k in range(3):
-                found += (weight * share[:, k : k + 1].astype(np.float32)) * texels[faces[face, k], texel]
+                found += (weight * share[:, k : k + 1]) * texels[near[:, k], texel]
         return found
 
 
