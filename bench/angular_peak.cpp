@@ -1,7 +1,8 @@
 // What the innermost loop of direct integration could do if nothing but its own instructions counted: the
 // same code on rows that stay in the first cache, without rows to find, and the processor's multiply-adds
-// alone. Prints samples per second of the loop for radial lobes and of that for half-angle lobes, and
-// floating point operations per second of fused multiply-adds. Built and run by bench_angular.py.
+// alone. Prints samples per second of the loop for radial lobes and of those for half-angle lobes, half
+// vectors found anew or read from a table, and floating point operations per second of fused multiply-adds.
+// Built and run by bench_angular.py.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -14,6 +15,7 @@ namespace {
 using namespace shrm::angular;
 
 constexpr int n = 1024;  // seven rows of which are 28 KiB
+constexpr int turned = 64;
 constexpr int repeats = 2000, trials = 25;
 
 template <class Work>
@@ -33,17 +35,17 @@ __attribute__((noinline)) void row(const Cubics<true>& profile, const float* azi
                                    const float* const light[3], float ring, float span, Lanes out[3]) {
     const Cubics<true> u = profile;
     Lanes sum[3] = {};
-    sum_arc(u, azimuth, light, n, ring, span, sum);
+    sum_turned(u, azimuth, 1, light, turned, splat(ring), splat(span), sum);
     std::copy_n(sum, 3, out);
 }
 
-__attribute__((noinline)) void half_angle_row(const Cubics<true>& profile, const float* rows,
+template <class Halves>
+__attribute__((noinline)) void half_angle_row(const Cubics<true>& profile, const Halves& halves,
                                               const float* const light[3], const HalfAngleRow& row,
                                               Lanes out[3]) {
     const Cubics<true> u = profile;
     Lanes sum[3] = {};
-    const HalfVectors h = {rows + 4 * n, rows + 5 * n, rows + 6 * n};
-    sum_weighted([&](int j) { return half_angle<true>(u, h, rows, j, row); }, light, n, sum);
+    sum_weighted([&](int j) { return half_angle<false>(u, halves, nullptr, j, row); }, light, n, sum);
     std::copy_n(sum, 3, out);
 }
 
@@ -69,12 +71,18 @@ int main() {
             for (const Lanes& part : sum) all += part;
         }
     });
-    const double half = least_seconds([&] {
-        for (int k = 0; k < repeats; ++k) {
-            half_angle_row(profile, rows.data(), light, {{0.5f, 0.5f, 0.5f}, 1.0f, 0.5f}, sum);
-            for (const Lanes& part : sum) all += part;
-        }
-    });
+    const auto half_angle_seconds = [&](const auto& halves) {
+        return least_seconds([&] {
+            for (int k = 0; k < repeats; ++k) {
+                half_angle_row(profile, halves, light, {{0.5f, 0.5f, 0.5f}, 1.0f, 0.5f}, sum);
+                for (const Lanes& part : sum) all += part;
+            }
+        });
+    };
+    const float* half = rows.data() + 4 * n;
+    const double found =
+        half_angle_seconds(FoundHalves{half, half + n, 0.5f, 0.5f, {0.6f, 0.0f, 0.8f}, 9.0f});
+    const double tabulated = half_angle_seconds(TabulatedHalves{half, half + n, half + 2 * n});
     const double fma = least_seconds([&] {
         for (int k = 0; k < repeats; ++k) multiply_adds(x, all * 1e-20f);
     });
@@ -82,6 +90,7 @@ int main() {
     volatile float kept = all[0];
     static_cast<void>(kept);
     const double samples = repeats * static_cast<double>(n);
-    std::printf("%.4g %.4g %.4g\n", samples / loop, samples / half, 2 * samples * 12 * width / fma);
+    std::printf("%.4g %.4g %.4g %.4g\n", samples * turned * width / n / loop, samples / found,
+                samples / tabulated, 2 * samples * 12 * width / fma);
     return 0;
 }

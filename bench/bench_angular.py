@@ -15,7 +15,10 @@ import pytest
 from inputs import frames, relative_rms
 from limits import threads
 from shrm import Environment, brdf
+from shrm.layouts import directions
+from shrm.lobe_integrals import IsotropicIntegral
 from shrm.reference import AngularReflection, integrate, prefilter_angular
+from shrm.reproduce.flops import half_angle_flops, samples_in_caps
 
 Measured = Callable[..., Any]
 
@@ -28,10 +31,14 @@ RADIAL_OPERATIONS = 14
 
 
 class Peak(NamedTuple):
-    """Samples per second of the two loops and operations per second of multiply-adds alone, on one core."""
+    """Samples per second of the loops and operations per second of multiply-adds alone, on one core.
+
+    The loops are those of radial lobes and of lobes of the half angle, half vectors found or tabulated.
+    """
 
     radial: float
-    half_angle: float
+    found: float
+    tabulated: float
     multiply_adds: float
 
 
@@ -64,6 +71,21 @@ def timed(
     return None if benchmark.stats is None else float(benchmark.stats.stats.min)
 
 
+def state_share(
+    benchmark: Any, samples: float, seconds: float, most: float, operations: float, peak: Peak
+) -> None:
+    """Say how many samples a second a thread does, of how many that its loop could."""
+    rate = samples / seconds / threads()
+    benchmark.extra_info.update(
+        samples=samples,
+        samples_per_second_and_core=rate,
+        share=rate / most,
+        bound="its instructions",
+        gflops=rate * operations * 1e-9,
+        of_multiply_adds=rate * operations / peak.multiply_adds,
+    )
+
+
 @pytest.mark.benchmark(group="angular")
 @pytest.mark.parametrize("s", [8, 32, 128, 512])
 @pytest.mark.parametrize("symmetry", [False, True], ids=["every-pair", "symmetry"])
@@ -84,29 +106,39 @@ def bench_phong_texels(benchmark: Any, about: dict[str, Any], peak: Peak, s: int
         return
     # [RH02] appendix D: cos^s has all but .05 of its integral within W
     samples = within(float(np.arccos(0.05 ** (1 / (s + 1)))), 128)
-    rate = samples / seconds / threads()
-    benchmark.extra_info.update(samples=samples, samples_per_second_and_core=rate)
-    if not symmetry:
-        benchmark.extra_info.update(
-            share=rate / peak.radial,
-            bound="its instructions",
-            gflops=rate * RADIAL_OPERATIONS * 1e-9,
-            of_multiply_adds=rate * RADIAL_OPERATIONS / peak.multiply_adds,
-        )
+    if symmetry:
+        benchmark.extra_info.update(samples=samples)
+    else:
+        state_share(benchmark, samples, seconds, peak.radial, RADIAL_OPERATIONS, peak)
 
 
 @pytest.mark.benchmark(group="angular")
 @pytest.mark.parametrize("sigma", [0.1, 0.2, 0.3, 0.4, 0.5])
-def bench_microfacet_texels(benchmark: Any, about: dict[str, Any], sigma: float) -> None:
-    """A map for one view; the lobe's shape changes over it, so that only half vectors are shared."""
-    env = Environment(Environment.daylight(size=128).pixels)
+@pytest.mark.parametrize("symmetry", [False, True], ids=["every-pair", "shared"])
+def bench_microfacet_texels(
+    benchmark: Any, about: dict[str, Any], peak: Peak, sigma: float, symmetry: bool
+) -> None:
+    """A map for one view; the lobe's shape changes over it, so that only half vectors can be shared."""
+    env, material = Environment(Environment.daylight(size=128).pixels), brdf.Microfacet(sigma)
 
     def prepared(tolerance: float = 0.05) -> AngularReflection:
-        return prefilter_angular(env, brdf.Microfacet(sigma), tolerance=tolerance, size=128, subsamples=1)
+        return prefilter_angular(
+            env, material, tolerance=tolerance, size=128, subsamples=1, symmetry=symmetry
+        )
 
     exact = prepared(0.0).at_view(VIEW)
-    work = f"microfacet sigma = {sigma}, eps = .05, 256 x 128 to the same, one view"
-    timed(benchmark, about, prepared, exact, work)
+    method = "half vectors shared" if symmetry else "every pair"
+    work = f"microfacet sigma = {sigma}, eps = .05, 256 x 128 to the same, one view, {method}"
+    seconds = timed(benchmark, about, prepared, exact, work)
+    if seconds is None:
+        return
+    part = material.lobes[0]
+    lobe = IsotropicIntegral(part.center, part.transfer, 0.05, symmetry)
+    C = directions("latlong", 128, 256).reshape(-1, 3)
+    V = np.tile(VIEW, (len(C), 1))
+    samples = len(C) * samples_in_caps(128, *lobe.caps(lobe.normals(C, V), V))
+    operations = half_angle_flops(1, found=not symmetry)
+    state_share(benchmark, samples, seconds, peak.tabulated if symmetry else peak.found, operations, peak)
 
 
 @pytest.mark.benchmark(group="angular")

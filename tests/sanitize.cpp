@@ -209,7 +209,7 @@ void integrators() {
                 const auto planes = random_values<float>(3 * size(H) * size(angular::row_length(W)));
                 const angular::Picture picture{planes, H, W, subsamples};
                 std::vector<float> out(axes.size() * 3);
-                const std::vector<angular::Cap> caps(size(3), {0.2, 1.2});
+                const std::vector<angular::Cap> caps(size(3), {0.2, 1.6});
 
                 for (int segments : {32, 64}) {  // held in registers, looked up
                     const auto values = random_values<float>(size(channels * 4 * segments));
@@ -224,9 +224,9 @@ void integrators() {
                             }
                     }
                     if (channels == 3) continue;
-                    angular::integrate_half_angle(picture, profile, caps, axes, views, out);
+                    angular::integrate_half_angle(picture, profile, caps, axes, views, false, out);
                     const std::vector<glm::dvec3> one_view(axes.size(), views[1]);
-                    angular::integrate_half_angle(picture, profile, caps, axes, one_view, out);
+                    angular::integrate_half_angle(picture, profile, caps, axes, one_view, true, out);
                 }
 
                 const auto zonal = random_values<float>(size(3 * channels * (nodes + 2)));

@@ -14,6 +14,7 @@ import numpy as np
 import oracles
 import pytest
 from numpy.testing import assert_allclose
+from shrm.lobe_integrals import IsotropicIntegral
 from shrm.reference import integrate, prefilter_angular
 
 SINGLE = 5e-6
@@ -233,6 +234,40 @@ def test_symmetry_only_saves_work(lobe, size, tolerance, k):
         for s in (True, False)
     )
     assert_allclose(by_symmetry, every_pair, rtol=0, atol=2e-6 * every_pair.max())
+
+
+@pytest.mark.parametrize("k", [1, 2])
+@pytest.mark.parametrize("tolerance", [0.0, 0.05])
+@pytest.mark.parametrize("sigma", [0.1, 0.5])
+@pytest.mark.parametrize(("H", "W"), [(24, 48), (9, 25)])
+def test_sharing_half_vectors_only_saves_work(sigma, tolerance, k, H, W):
+    env, view = environment(noise(H, W)), np.array([0.6, 0, 0.8])
+    lobe = material(isotropic(oracles.microfacet(sigma)))
+    shared, every_pair = (
+        prefilter_angular(env, lobe, size=16, tolerance=tolerance, subsamples=k, symmetry=s).at_view(view)
+        for s in (True, False)
+    )
+    # Half vectors are the same to rounding; z = 1 + g^2 |H - N|^2 magnifies it for sharp lobes.
+    assert_allclose(shared, every_pair, rtol=0, atol=1e-5 * every_pair.max())
+
+
+@pytest.mark.parametrize("sigma", [0.1, 0.5])
+def test_the_sum_visits_its_caps(sigma):
+    # Light outside of a query's cap leaves it black; light inside, that the lobe sees, does not.
+    lobe = IsotropicIntegral("lobe", oracles.microfacet(sigma), 0.05, share=True)
+    result = prefilter_angular(
+        environment(np.ones((32, 64, 3))), material(isotropic(oracles.microfacet(sigma))), tolerance=0.05
+    )
+    normals, views = oracles.random_views(8, seed=9)
+    axes, outer = lobe.caps(normals, views)
+    directions = oracles.directions(32, 64)
+    for n, v, axis, angle in zip(normals, views, axes, outer, strict=True):
+        distance = np.arccos(np.clip(directions @ axis, -1, 1))
+        for pixels, sees in ((distance > angle + 0.2, False), (distance < angle, True)):
+            lit = environment(np.repeat(pixels[..., None], 3, axis=2))
+            one = prefilter_angular(lit, material(isotropic(oracles.microfacet(sigma))), tolerance=0.05)
+            found, whole = one.radiance(n[None], v), result.radiance(n[None], v)
+            assert (found == 0).all() if not sees else (found > 0.8 * whole).all()
 
 
 def test_a_map_of_every_pair_is_the_sum():

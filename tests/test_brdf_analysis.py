@@ -1,12 +1,13 @@
 """The coefficients rho_lpq against brute-force integrals, and the energies that order selection uses."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import oracles
 import pytest
 from scipy import integrate, special
-from shrm import _core, brdf
+from shrm import _core, brdf, brdf_analysis
 from shrm.brdf_analysis import analyse
 from shrm.central_direction import gamma_at, gamma_table
 
@@ -208,3 +209,37 @@ def test_low_orders_of_a_sharp_lobe_are_those_of_high_orders():
     low, high = (analyse(lobe, L, 8).coefficients(L, 8)[:5, :4, :4] for L in (12, 60))
     # The nodes' own error, 1e-4 relative at most, whatever the degree wanted.
     assert np.abs(low - high).max() < 1e-4 * np.abs(high).max()
+
+
+def expanded(lobe_analysis, F, P, theta_o):
+    """sum_p rho_lpq f_pq(theta_o), (q, l, channel, theta_o); q > 0 count for both signs."""
+    rho = lobe_analysis.coefficients(F, P)
+    parts = []
+    for q in range(P + 1):
+        of_view = np.array([f(p, q, theta_o) if p >= q else 0 * theta_o for p in range(P + 1)])
+        parts.append(np.sqrt(1 if q == 0 else 2) * np.einsum("lpc,pv->lcv", rho[:, :, q], of_view))
+    return np.array(parts)
+
+
+@pytest.mark.parametrize("orders", [(8, 2), (24, 3), (30, 5), (60, 8), (120, 8)], ids=str)
+@pytest.mark.parametrize(
+    ("material", "center"),
+    [
+        *itertools.product(
+            [brdf.GGX(0.1), brdf.GGX(0.5), brdf.Beckmann(0.1), brdf.Microfacet(0.2), brdf.Microfacet(0.5)],
+            ["lobe", "reflection"],
+        ),
+        (brdf.GGX(0.5), "normal"),  # sharp lobes have no business there
+        (brdf.Microfacet(0.5), "normal"),
+    ],
+    ids=str,
+)
+def test_the_nodes_are_exact_to_1e_5(material, orders, center):
+    # What is compared is the lobe as expanded, not its coefficients: where fits are ill-conditioned these
+    # move without moving the lobe.
+    F, P = orders
+    lobe = material.recentred(center).lobes[0]
+    finer = brdf_analysis._projected(lobe, F, P, min(F, max(P, 24)), views=160, K=96, least=24)
+    exact = expanded(finer, F, P, finer.theta_o)
+    difference = expanded(analyse(lobe, F, P), F, P, finer.theta_o) - exact
+    assert (difference**2 @ finer.weight).sum() <= 1e-10 * (exact**2 @ finer.weight).sum()

@@ -7,7 +7,7 @@ import pytest
 from shrm import brdf
 from shrm.environment import Environment
 from shrm.reference import integrate, prefilter_angular
-from shrm.reproduce import phong_costs, table_4, table_5
+from shrm.reproduce import flops, table_4, table_5
 from shrm.reproduce.exponents import fit
 from shrm.reproduce.result import Result, Settings
 
@@ -78,22 +78,22 @@ def test_both_forms_of_integration_are_one(light: Environment) -> None:
 def test_samples_are_the_pairs_within_the_width() -> None:
     # Against all pairs of directions, and the width against W [RH02 appendix D].
     H, s = 12, 8
-    within = phong_costs.outer_angle(s, 0.05)
+    within = flops.outer_angle(s, 0.05)
     theta = (np.arange(H) + 0.5) * np.pi / H
     phi = (np.arange(2 * H) + 0.5) * np.pi / H
     t, p = (grid.ravel() for grid in np.meshgrid(theta, phi, indexing="ij"))
     w = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=1)
-    assert phong_costs.samples(H, within) == np.count_nonzero(w @ w.T >= np.cos(within))
+    assert flops.samples(H, within) == np.count_nonzero(w @ w.T >= np.cos(within))
     assert (1 - np.cos(within)) / 2 == pytest.approx((1 - 0.05 ** (1 / (s + 1))) / 2)
-    assert phong_costs.samples(H, np.pi) == (2 * H * H) ** 2
+    assert flops.samples(H, np.pi) == (2 * H * H) ** 2
 
 
 def test_flops_are_those_of_the_loops() -> None:
-    n = phong_costs.samples(16, phong_costs.outer_angle(32, 0.05))
-    assert phong_costs.angular_flops(16, 32, 0.05, symmetry=False) == 14 * n
-    assert phong_costs.angular_flops(16, 32, 0.05, symmetry=True) == 6 * n + 8 * n / 32
+    n = flops.samples(16, flops.outer_angle(32, 0.05))
+    assert flops.angular_flops(16, 32, 0.05, symmetry=False) == 14 * n
+    assert flops.angular_flops(16, 32, 0.05, symmetry=True) == 6 * n + 8 * n / 32
     # F = 0: one sum over a quarter of each ring and one over half the rings, for 3 channels, both ways.
-    assert phong_costs.frequency_flops(16, 0) == 2 * 2 * 3 * (16 * 8 + 8)
+    assert flops.frequency_flops(16, 0) == 2 * 2 * 3 * (16 * 8 + 8)
 
 
 def test_lines_cross_where_both_cost_the_same() -> None:
@@ -134,9 +134,17 @@ def test_texels_of_maps_are_those_that_are_integrated(light: Environment) -> Non
     angular = table_5.angular_of(few, 0.4, table_5.EPSILON, subsamples=1)
     maps = [np.asarray(angular.at_view(view)) for view in frames.views]
     np.testing.assert_allclose(frames.of_maps(maps), frames.integrated(angular), rtol=1e-4)
-    nothing_shared = table_5.integration(angular, frames)()
-    for of_view, alone in zip(maps[::2], nothing_shared, strict=True):  # type: ignore[call-overload]
-        np.testing.assert_allclose(alone[1:], of_view.reshape(-1, 3), rtol=1e-3, atol=1e-5)
+    for symmetry in (False, True):
+        timed = table_5.integration(few, 0.4, frames, symmetry)()
+        for of_view, again in zip(maps[::2], timed, strict=True):  # type: ignore[call-overload]
+            np.testing.assert_allclose(again, of_view, rtol=1e-5, atol=1e-6 * of_view.max())
+
+
+def test_flops_of_shrms_are_those_of_their_transforms() -> None:
+    assert flops.shrm_flops(16, 5, 0) == flops.frequency_flops(16, 5)
+    more = flops.shrm_flops(16, 5, 2) - flops.shrm_flops(16, 5, 1)
+    assert more == 5 * flops.frequency_flops(16, 7) / 2
+    assert flops.view_flops(16, 2) == 2 * 3 * 9 * 512
 
 
 def test_truncated_maps_are_those_of_fewer_degrees(light: Environment) -> None:

@@ -84,7 +84,7 @@ std::vector<angular::Cap> caps_of(const Array<double>& caps) {
 
 Array<float> half_angle(const Array<float>& planes, int subsamples, const Array<float>& profile, int shift,
                         double scale, double support, const Array<double>& caps, const Array<double>& normals,
-                        const Array<double>& views) {
+                        const Array<double>& views, bool share) {
     const auto picture = picture_of(planes, subsamples);
     const auto table = profile_of(profile, shift, scale, support);
     if (table.channels != 1) throw py::value_error("a half-angle profile has 1 channel");
@@ -97,7 +97,7 @@ Array<float> half_angle(const Array<float>& planes, int subsamples, const Array<
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
     {
         const py::gil_scoped_release release;
-        angular::integrate_half_angle(picture, table, ranges, n, v, result);
+        angular::integrate_half_angle(picture, table, ranges, n, v, share, result);
     }
     return out;
 }
@@ -169,7 +169,7 @@ void bind_angular(py::module_& module) {
     module.def("angular_half_angle", half_angle, py::kw_only(), py::arg("planes").noconvert(),
                py::arg("subsamples"), py::arg("profile").noconvert(), py::arg("shift"), py::arg("scale"),
                py::arg("support"), py::arg("caps").noconvert(), py::arg("normals").noconvert(),
-               py::arg("views").noconvert());
+               py::arg("views").noconvert(), py::arg("share"));
     module.def("angular_zonal", zonal, py::kw_only(), py::arg("planes").noconvert(), py::arg("subsamples"),
                py::arg("profiles").noconvert(), py::arg("bands").noconvert(), py::arg("axes").noconvert(),
                py::arg("theta_o").noconvert());

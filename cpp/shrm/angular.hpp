@@ -109,9 +109,10 @@ void integrate_zonal(const Picture& picture, const ZonalProfiles& profiles, std:
                      std::span<const double> theta_o, std::span<float> out);
 
 // Reflected radiance for each normal and view, the view above the normal's horizon: out [query][3]. A profile
-// of one channel.
+// of one channel. Queries of the first one's view may share its half vectors; without `share` each finds its
+// own for every texel.
 void integrate_half_angle(const Picture& picture, const RadialProfile& profile, std::span<const Cap> caps,
-                          std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views,
+                          std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views, bool share,
                           std::span<float> out);
 
 // The same for any isotropic table.

@@ -14,23 +14,6 @@
 namespace shrm::angular {
 namespace {
 
-// g H of the lights of a row of nodes, as HalfVectors, for one view.
-void half_vectors(const float* __restrict cos_phi, const float* __restrict sin_phi, int n, float sin_theta,
-                  float cos_theta, const glm::vec3& view, float g, float* out, std::size_t stride) {
-    float* __restrict x = out;
-    float* __restrict y = out + stride;
-    float* __restrict z = out + 2 * stride;
-    const float hz = cos_theta + view.z;
-    for (int j = 0; j < n; ++j) {
-        const float hx = sin_theta * cos_phi[j] + view.x, hy = sin_theta * sin_phi[j] + view.y;
-        const float length2 = hx * hx + hy * hy + hz * hz;
-        const float r = g / std::sqrt(length2 > 1e-30f ? length2 : 1e-30f);  // L = -V is below the horizon
-        x[j] = r * hx;
-        y[j] = r * hy;
-        z[j] = r * hz;
-    }
-}
-
 struct Columns {
     std::vector<float> cos_phi, sin_phi;
     explicit Columns(const Nodes& nodes)
@@ -45,6 +28,7 @@ struct Visited {
     glm::vec3 scaled;  // g N
     Reach reach;
     bool cut;  // by the horizon; else the height is not needed
+    bool tabulated;
     std::vector<float> height;
     Lanes single[3];
     int terms;
@@ -77,7 +61,6 @@ inline constexpr int queries_at_once = 16;
 
 struct Scratch {
     Visited visited[queries_at_once];
-    std::vector<float> half;    // of one arc [3][row_length]
     std::vector<float> weight;  // of one arc
 };
 
@@ -89,8 +72,6 @@ struct SharedView {
 
     bool is(const glm::dvec3& v) const { return glm::length(v - view) < 1e-12; }
 };
-
-inline constexpr int shared_subsamples = 2;  // more would fill the memory
 
 // What all queries use.
 struct Setting {
@@ -106,42 +87,72 @@ struct Setting {
           columns(nodes),
           g(static_cast<float>(0.5 * std::sqrt(profile.scale))),
           shared{view, {}} {}
+
+    bool tabulates(const glm::dvec3& view) const { return !shared.half.empty() && shared.is(view); }
+
+    // Of row `node` and column b of nodes, from column `begin` of the picture on.
+    FoundHalves found(const glm::dvec3& view, int node, int b, int begin) const {
+        const std::size_t at = size(b * row_length(nodes.W) + begin);
+        return {columns.cos_phi.data() + at,
+                columns.sin_phi.data() + at,
+                static_cast<float>(nodes.sin_theta[size(node)]),
+                static_cast<float>(nodes.cos_theta[size(node)] + view.z),
+                glm::vec3(view),
+                g};
+    }
+    TabulatedHalves tabulated(int node, int b, int begin) const {
+        const float* h = shared.half.data() + 3 * size(node * nodes.k + b) * planes.length + begin;
+        return {h, h + planes.length, h + 2 * planes.length};
+    }
 };
 
 void share(Setting& setting) {
-    const auto& [nodes, planes, columns, g, shared] = setting;
-    const int length = row_length(nodes.W), rows = nodes.H * nodes.k;
-    setting.shared.half.resize(3 * size(rows) * size(nodes.k) * planes.length);
+    const int length = row_length(setting.nodes.W), rows = setting.nodes.H * setting.nodes.k;
+    setting.shared.half.resize(3 * size(rows) * size(setting.nodes.k) * size(length));
 #pragma omp parallel for
     for (int row = 0; row < rows; ++row)
-        for (int b = 0; b < nodes.k; ++b)
-            half_vectors(columns.cos_phi.data() + b * length, columns.sin_phi.data() + b * length, length,
-                         static_cast<float>(nodes.sin_theta[size(row)]),
-                         static_cast<float>(nodes.cos_theta[size(row)]), glm::vec3(shared.view), g,
-                         setting.shared.half.data() + 3 * size(row * nodes.k + b) * planes.length,
-                         planes.length);
+        for (int b = 0; b < setting.nodes.k; ++b) {
+            const FoundHalves halves = setting.found(setting.shared.view, row, b, 0);
+            float* out = setting.shared.half.data() + 3 * size(row * setting.nodes.k + b) * size(length);
+            for (int j = 0; j < length; j += width) {
+                const int from =
+                    std::min(j, length - width);  // the last group may begin within the one before
+                const HalfVectors h = halves.at(from);
+                store(out + from, h.x);
+                store(out + length + from, h.y);
+                store(out + 2 * length + from, h.z);
+            }
+        }
 }
 
-// A query's texels in row i, for a view that is shared and one node to a texel: the innermost loop alone.
-template <class Profile>
-SHRM_INLINE void sum_shared(const Setting& setting, const Profile& u, int i, Visited& of) {
+// Whether a table of half vectors pays: its queries visit several times as many nodes as it has, and it lies
+// in a cache. One from memory takes as long to read as half vectors to find.
+bool worth_sharing(const Setting& setting, std::span<const Cap> caps, std::span<const glm::dvec3> views) {
+    constexpr double times = 4, bytes = 1 << 23;
+    const Nodes& nodes = setting.nodes;
+    const double table =
+        3 * sizeof(float) * static_cast<double>(nodes.cos_phi.size() * nodes.cos_theta.size());
+    double outer = 0;
+    for (const Cap& cap : caps) outer = std::max(outer, std::min(cap.outer, pi / 2));
+    const auto same =
+        std::count_if(views.begin(), views.end(), [&](const auto& v) { return setting.shared.is(v); });
+    return table <= bytes && 0.5 * (1 - std::cos(outer)) * static_cast<double>(same) > times;
+}
+
+// A query's texels in row i, one node to each: the innermost loop alone.
+template <class Profile, class Halves>
+SHRM_INLINE void sum_row(const Setting& setting, const Profile& u, const Halves& halves, int i, int begin,
+                         int n, Visited& of) {
     const auto& [nodes, planes, columns, g, shared] = setting;
-    if (i < of.reach.first || i >= of.reach.last) return;
-    const Arcs arcs = of.reach.columns(nodes, i);
-    if (arcs.count == 0) return;
-    const int begin = arcs.arc[0].begin, n = arcs.arc[0].end - begin;
     const float* first = planes.at(0, i, begin);
     const float* light[3] = {first, first + planes.stride, first + 2 * planes.stride};
-    const float* h = shared.half.data() + 3 * size(i) * planes.length + begin;
-    const HalfVectors vectors = {h, h + planes.length, h + 2 * planes.length};
     const float* height = of.cut ? of.height.data() + begin : nullptr;
     const HalfAngleRow row = {of.scaled, static_cast<float>(nodes.sin_theta[size(i)]),
                               static_cast<float>(nodes.cos_theta[size(i)] * of.normal.z)};
     if (of.cut)
-        sum_weighted([&](int j) { return half_angle<true>(u, vectors, height, j, row); }, light, n,
-                     of.single);
+        sum_weighted([&](int j) { return half_angle<true>(u, halves, height, j, row); }, light, n, of.single);
     else
-        sum_weighted([&](int j) { return half_angle<false>(u, vectors, height, j, row); }, light, n,
+        sum_weighted([&](int j) { return half_angle<false>(u, halves, height, j, row); }, light, n,
                      of.single);
     of.terms += n / width + 1;
     if (of.terms > terms_in_single) {
@@ -150,76 +161,87 @@ SHRM_INLINE void sum_shared(const Setting& setting, const Profile& u, int i, Vis
     }
 }
 
-// All its texels, for any number of nodes and any view.
+// Row i of queries with one node to a texel.
 template <class Profile>
-void sum_any(const Setting& setting, const Profile& u, Visited& of, Scratch& s) {
-    const auto& [nodes, planes, columns, g, shared] = setting;
-    const bool tabulated = !shared.half.empty() && shared.is(of.view);
-    const int length = row_length(nodes.W);
-    s.half.resize(3 * size(length));
-    s.weight.resize(size(length));
-    const float* w[3] = {s.weight.data(), s.weight.data(), s.weight.data()};
-    HalfAngleRow at = {of.scaled, 0, 0};
-    for (int i = of.reach.first; i < of.reach.last; ++i) {
-        const Arcs arcs = of.reach.columns(nodes, i);
+void sum_rows(const Setting& setting, const Profile& u, int i, std::span<Visited> queries) {
+    for (Visited& of : queries) {
+        if (i < of.reach.first || i >= of.reach.last) continue;
+        const Arcs arcs = of.reach.columns(setting.nodes, i);
         if (arcs.count == 0) continue;
         const int begin = arcs.arc[0].begin, n = arcs.arc[0].end - begin;
-        std::fill_n(s.weight.data(), round_up(n, width), 0.0f);
-        for (int node = i * nodes.k; node < (i + 1) * nodes.k; ++node)
-            for (int b = 0; b < nodes.k; ++b) {
-                const std::size_t row = size(node), column = size(b * length + begin);
-                at.sin_theta = static_cast<float>(nodes.sin_theta[row]);
-                at.rest = static_cast<float>(nodes.cos_theta[row] * of.normal.z);
-                const float* h = s.half.data();
-                if (tabulated)
-                    h = shared.half.data() + 3 * (row * size(nodes.k) + size(b)) * planes.length + begin;
-                else
-                    half_vectors(columns.cos_phi.data() + column, columns.sin_phi.data() + column,
-                                 round_up(n, width), at.sin_theta, static_cast<float>(nodes.cos_theta[row]),
-                                 glm::vec3(of.view), g, s.half.data(), planes.length);
-                const HalfVectors vectors = {h, h + planes.length, h + 2 * planes.length};
-                const float share = static_cast<float>(nodes.row_share[row] * nodes.column_share[size(b)]);
-                for (int j = 0; j < n; j += width) {
-                    const Lanes u_j = of.cut ? half_angle<true>(u, vectors, of.height.data() + column, j, at)
-                                             : half_angle<false>(u, vectors, nullptr, j, at);
-                    store(s.weight.data() + j, load(s.weight.data() + j) + share * u_j);
-                }
-            }
-        const float* light[3] = {planes.at(0, i, begin), planes.at(1, i, begin), planes.at(2, i, begin)};
-        accumulate(w, light, n, of.sum);
+        if (of.tabulated)
+            sum_row(setting, u, setting.tabulated(i, 0, begin), i, begin, n, of);
+        else
+            sum_row(setting, u, setting.found(of.view, i, 0, begin), i, begin, n, of);
     }
+}
+
+// weight[j] += share * u of n nodes of a row from column `begin` on.
+template <class Profile, class Halves>
+SHRM_INLINE void weigh(const Profile& u, const Halves& halves, const Visited& of, const float* height,
+                       const HalfAngleRow& row, float share, int n, float* weight) {
+    for (int j = 0; j < n; j += width) {
+        const Lanes u_j = of.cut ? half_angle<true>(u, halves, height, j, row)
+                                 : half_angle<false>(u, halves, height, j, row);
+        store(weight + j, load(weight + j) + share * u_j);
+    }
+}
+
+// Row i of a query with any number of nodes to a texel.
+template <class Profile>
+void sum_nodes(const Setting& setting, const Profile& u, int i, Visited& of, std::vector<float>& weight) {
+    const auto& [nodes, planes, columns, g, shared] = setting;
+    const Arcs arcs = of.reach.columns(nodes, i);
+    if (arcs.count == 0) return;
+    const int begin = arcs.arc[0].begin, n = arcs.arc[0].end - begin;
+    weight.assign(size(round_up(n, width)), 0.0f);
+    for (int node = i * nodes.k; node < (i + 1) * nodes.k; ++node)
+        for (int b = 0; b < nodes.k; ++b) {
+            const std::size_t row = size(node);
+            const HalfAngleRow at = {of.scaled, static_cast<float>(nodes.sin_theta[row]),
+                                     static_cast<float>(nodes.cos_theta[row] * of.normal.z)};
+            const float* height = of.cut ? of.height.data() + b * row_length(nodes.W) + begin : nullptr;
+            const float share = static_cast<float>(nodes.row_share[row] * nodes.column_share[size(b)]);
+            if (of.tabulated)
+                weigh(u, setting.tabulated(node, b, begin), of, height, at, share, n, weight.data());
+            else
+                weigh(u, setting.found(of.view, node, b, begin), of, height, at, share, n, weight.data());
+        }
+    const float* w[3] = {weight.data(), weight.data(), weight.data()};
+    const float* light[3] = {planes.at(0, i, begin), planes.at(1, i, begin), planes.at(2, i, begin)};
+    accumulate(w, light, n, of.sum);
 }
 
 template <bool held>
 void half_angles(const Picture& picture, const RadialProfile& profile, std::span<const Cap> caps,
-                 std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views,
+                 std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views, bool may_share,
                  std::span<float> out) {
     if (normals.empty()) return;
     Setting setting(picture, profile, views[0]);
-    SharedView& shared = setting.shared;
-    const auto same = std::count_if(views.begin(), views.end(), [&](const auto& v) { return shared.is(v); });
-    if (picture.subsamples <= shared_subsamples && same > 1) share(setting);
+    if (may_share && worth_sharing(setting, caps, views)) share(setting);
     const std::size_t blocks = (normals.size() + queries_at_once - 1) / queries_at_once;
     for_each_query<Scratch>(blocks, [&](std::size_t block, Scratch& s) {
         const Cubics<held> u(profile, 0);
         const std::size_t from = block * queries_at_once,
                           count = std::min<std::size_t>(queries_at_once, normals.size() - from);
+        const std::span<Visited> queries(s.visited, count);
         int first = picture.H, last = 0;
         for (std::size_t k = 0; k < count; ++k) {
-            Visited& of = s.visited[k];
+            Visited& of = queries[k];
             of.find(setting.nodes, setting.columns, caps, normals[from + k], views[from + k], setting.g);
-            if (picture.subsamples > 1 || shared.half.empty() || !shared.is(of.view)) {
-                sum_any(setting, u, of, s);
-                of.reach.last = of.reach.first;
-            }
+            of.tabulated = setting.tabulates(of.view);
             first = std::min(first, of.reach.first);
             last = std::max(last, of.reach.last);
         }
-        for (int i = first; i < last; ++i)
-            for (std::size_t k = 0; k < count; ++k) sum_shared(setting, u, i, s.visited[k]);
+        if (picture.subsamples == 1) {
+            for (int i = first; i < last; ++i) sum_rows(setting, u, i, queries);
+        } else {
+            for (Visited& of : queries)
+                for (int i = of.reach.first; i < of.reach.last; ++i) sum_nodes(setting, u, i, of, s.weight);
+        }
         for (std::size_t k = 0; k < count; ++k) {
-            s.visited[k].sum.add(s.visited[k].single);
-            s.visited[k].sum.write(&out[3 * (from + k)]);
+            queries[k].sum.add(queries[k].single);
+            queries[k].sum.write(&out[3 * (from + k)]);
         }
     });
 }
@@ -227,10 +249,10 @@ void half_angles(const Picture& picture, const RadialProfile& profile, std::span
 }  // namespace
 
 void integrate_half_angle(const Picture& picture, const RadialProfile& profile, std::span<const Cap> caps,
-                          std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views,
+                          std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views, bool share,
                           std::span<float> out) {
     const auto integrate = profile.segments == held_segments ? half_angles<true> : half_angles<false>;
-    integrate(picture, profile, caps, normals, views, out);
+    integrate(picture, profile, caps, normals, views, share, out);
 }
 
 }  // namespace shrm::angular

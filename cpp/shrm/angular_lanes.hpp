@@ -1,7 +1,12 @@
 // Lanes of the instruction set that the core is built for, and sums in them. Private to angular.
 #pragma once
 
+#include <cmath>
 #include <cstring>
+
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
 
 #include "angular.hpp"
 
@@ -38,6 +43,28 @@ SHRM_INLINE Lanes load_once(const float* p) {
     asm("" : "+v"(v));
 #endif
     return v;
+}
+
+// A value in all lanes, each of which the compiler takes to be its own.
+SHRM_INLINE Lanes splat(float value) {
+    Lanes v = Lanes{} + value;
+#if defined(__x86_64__)
+    asm("" : "+v"(v));
+#endif
+    return v;
+}
+
+// 1 / sqrt(v), v normal and positive.
+SHRM_INLINE Lanes inverse_root(const Lanes& v) {
+#if defined(__AVX512F__)
+    // 14 bits, then a step of Newton's: less than a third of the time of a root and a division
+    const Lanes r = reinterpret_cast<Lanes>(_mm512_rsqrt14_ps(reinterpret_cast<__m512>(v)));
+    return r * (1.5f - 0.5f * v * r * r);
+#else
+    Lanes r;
+    for (int k = 0; k < width; ++k) r[k] = 1.0f / std::sqrt(v[k]);
+    return r;
+#endif
 }
 
 // v where the mask is set, else 0.

@@ -82,10 +82,46 @@ SHRM_INLINE void sum_arc(const Profile& u, const float* azimuth, const float* co
     sum_weighted([&](int j) { return u(ring + span * load(azimuth + j)); }, light, n, sum);
 }
 
-// Half vectors of a row of nodes, each g H with g = sqrt(scale) / 2, so that z = 1 + |g H - g N|^2:
-// sin^2(theta_h / 2) = |H - N|^2 / 4 keeps its accuracy for small angles.
+// The same texels from as many centres as there are lanes, each turned by one texel more than the one before:
+// none of the lanes is idle, however short the arc. Every `apart`-th azimuth belongs to light one further.
+template <class Profile>
+SHRM_INLINE void sum_turned(const Profile& u, const float* azimuth, int apart, const float* const light[3],
+                            int n, const Lanes& ring, const Lanes& span, Lanes sum[3]) {
+    Lanes s[3] = {sum[0], sum[1], sum[2]};
+    for (int j = 0; j < n; ++j) {
+        const Lanes w = u(ring + span * splat(azimuth[j * apart]));
+        for (int c = 0; c < 3; ++c) s[c] += w * load(light[c] + j);
+    }
+    for (int c = 0; c < 3; ++c) sum[c] = s[c];
+}
+
+// g H of lights, g = sqrt(scale) / 2, so that z = 1 + |g H - g N|^2: sin^2(theta_h / 2) = |H - N|^2 / 4 keeps
+// its accuracy for small angles.
 struct HalfVectors {
+    Lanes x, y, z;
+};
+
+// Half vectors of a row of nodes from a table.
+struct TabulatedHalves {
     const float *x, *y, *z;
+    SHRM_INLINE HalfVectors at(int j) const { return {load(x + j), load(y + j), load(z + j)}; }
+};
+
+// Half vectors of a row of nodes under one view, found anew: 2 FMA for L + V, 2 FMA for its square, its
+// root's inverse, 3 products.
+struct FoundHalves {
+    const float *cos_phi, *sin_phi;
+    float sin_theta, z;  // z of L + V
+    glm::vec3 view;
+    float g;
+
+    SHRM_INLINE HalfVectors at(int j) const {
+        const Lanes x = sin_theta * load(cos_phi + j) + view.x, y = sin_theta * load(sin_phi + j) + view.y;
+        const Lanes square = x * x + (y * y + z * z);
+        // L = -V, which has no half vector, is below the horizon
+        const Lanes r = g * inverse_root(square > 1e-30f ? square : Lanes{} + 1e-30f);
+        return {r * x, r * y, r * z};
+    }
 };
 
 // What a query and a row of nodes have in common: g N, and N.L = sin_theta height + rest.
@@ -97,10 +133,11 @@ struct HalfAngleRow {
 // u(theta_h) where N.L > 0 for a group of lanes from j on; where nothing is cut by the horizon it is not
 // looked at. For each 3 differences, 3 FMA for z, 1 minimum, 1 shift and 4 permutations, 3 FMA for the cubic,
 // then 3 FMA for the sums; the horizon takes 1 FMA, 1 comparison.
-template <bool cut, class Profile>
-SHRM_INLINE Lanes half_angle(const Profile& u, const HalfVectors& h, const float* height, int j,
+template <bool cut, class Profile, class Halves>
+SHRM_INLINE Lanes half_angle(const Profile& u, const Halves& halves, const float* height, int j,
                              const HalfAngleRow& row) {
-    const Lanes dx = load(h.x + j) - row.n.x, dy = load(h.y + j) - row.n.y, dz = load(h.z + j) - row.n.z;
+    const HalfVectors h = halves.at(j);
+    const Lanes dx = h.x - row.n.x, dy = h.y - row.n.y, dz = h.z - row.n.z;
     const Lanes weight = u.anywhere(dz * dz + (dy * dy + (dx * dx + 1.0f)));
     if constexpr (!cut) return weight;
     const Lanes above = row.sin_theta * load(height + j) + row.rest;

@@ -68,75 +68,70 @@ SHRM_INLINE void weigh(const Nodes& nodes, const Cubics<held>& u, const Visited&
     }
 }
 
-// A cap is turned about the axis of the picture, for several texels of a row of a map at once: each `apart`
-// columns of the picture further than the one before, its radiance `step` texels further in `out`.
-struct Turns {
-    int first, count, apart, step;
-};
-
-inline constexpr int turns_at_once = 32;  // a row of the picture and these sums stay in the first cache
-
-// The sums where every texel has one node and one weight: nothing but rows of the innermost loop.
-template <bool held, int most>
-void sum_texels(const Nodes& nodes, const Planes& planes, const RadialProfile& profile, const Visited& cap,
-                const Turns& turns, float* out) {
+// The sum where every texel has one node and one weight: nothing but rows of the innermost loop.
+template <bool held>
+void sum_texels(const Planes& planes, const RadialProfile& profile, const Visited& cap, float* out) {
     const Cubics<held> u(profile, 0);
-    Sum sum[most];
-    Lanes single[most][3] = {};
+    Sum sum;
+    Lanes single[3] = {};
     int terms = 0;
-    const auto add = [&] {
-        for (int t = 0; t < turns.count; ++t) sum[t].add(single[t]);
-        terms = 0;
-    };
     for (const Row& row : cap.rows) {
-        const float* azimuth = cap.azimuth.data() + row.begin;
-        const float ring = cap.ring[size(row.i)], span = cap.span[size(row.i)];
-        int column = row.begin + turns.first * turns.apart;
-        for (int t = 0; t < turns.count; ++t, column += turns.apart) {
-            const float* first = planes.at(0, row.i, column < nodes.W ? column : column - nodes.W);
-            const float* light[3] = {first, first + planes.stride, first + 2 * planes.stride};
-            sum_arc(u, azimuth, light, row.count, ring, span, single[t]);
-        }
+        const float* first = planes.at(0, row.i, row.begin);
+        const float* light[3] = {first, first + planes.stride, first + 2 * planes.stride};
+        sum_arc(u, cap.azimuth.data() + row.begin, light, row.count, cap.ring[size(row.i)],
+                cap.span[size(row.i)], single);
         terms += row.count / width + 1;
-        if (terms > terms_in_single) add();
+        if (terms > terms_in_single) {
+            sum.add(single);
+            terms = 0;
+        }
     }
-    add();
-    for (int t = 0; t < turns.count; ++t) sum[t].write(out + 3 * (turns.first + t) * turns.step);
+    sum.add(single);
+    sum.write(out);
 }
 
 // The same for any number of nodes and channels.
 template <bool held>
-void sum_weights(const Nodes& nodes, const Planes& planes, const RadialProfile& profile, const Visited& cap,
-                 const Turns& turns, std::vector<float>& weight, float* out) {
+void sum_weights(const Nodes& nodes, const Planes& planes, const RadialProfile& profile, Scratch& s,
+                 float* out) {
     const int stride = round_up(nodes.W, lanes);
-    weight.resize(size(3 * stride));
+    s.weight.resize(size(3 * stride));
     const float* w[3];
-    for (int c = 0; c < 3; ++c) w[c] = weight.data() + (c < profile.channels ? c : 0) * stride;
-    for (int t = turns.first; t < turns.first + turns.count; ++t) {
-        Sum sum;
-        for (const Row& row : cap.rows) {
-            const int moved = row.begin + t * turns.apart, column = moved < nodes.W ? moved : moved - nodes.W;
-            const float* light[3] = {planes.at(0, row.i, column), planes.at(1, row.i, column),
-                                     planes.at(2, row.i, column)};
-            for (int c = 0; c < profile.channels; ++c)
-                weigh(nodes, Cubics<held>(profile, c), cap, row, weight.data() + c * stride);
-            accumulate(w, light, row.count, sum);
-        }
-        sum.write(out + 3 * t * turns.step);
+    for (int c = 0; c < 3; ++c) w[c] = s.weight.data() + (c < profile.channels ? c : 0) * stride;
+    Sum sum;
+    for (const Row& row : s.cap.rows) {
+        const float* light[3] = {planes.at(0, row.i, row.begin), planes.at(1, row.i, row.begin),
+                                 planes.at(2, row.i, row.begin)};
+        for (int c = 0; c < profile.channels; ++c)
+            weigh(nodes, Cubics<held>(profile, c), s.cap, row, s.weight.data() + c * stride);
+        accumulate(w, light, row.count, sum);
     }
+    sum.write(out);
+}
+
+bool one_weight(const Nodes& nodes, const RadialProfile& profile) {
+    return nodes.k == 1 && profile.channels == 1;
 }
 
 template <bool held>
-void sum_cap(const Nodes& nodes, const Planes& planes, const RadialProfile& profile, Scratch& s,
-             const Turns& turns, float* out) {
-    if (nodes.k == 1 && profile.channels == 1) {
-        const auto sum = turns.count == 1 ? sum_texels<held, 1> : sum_texels<held, turns_at_once>;
-        sum(nodes, planes, profile, s.cap, turns, out);
-    } else
-        sum_weights<held>(nodes, planes, profile, s.cap, turns, s.weight, out);
+void integrate_centre(const Nodes& nodes, const Planes& planes, const RadialProfile& profile, double outer,
+                      const glm::dvec3& axis, Scratch& s, float* out) {
+    s.cap.find(nodes, profile, outer, axis);
+    if (one_weight(nodes, profile))
+        sum_texels<held>(planes, profile, s.cap, out);
+    else
+        sum_weights<held>(nodes, planes, profile, s, out);
 }
 
-// ---- A whole map by symmetry: slide the kernel along the row
+// ---- A whole map: neighbouring columns of a row at once
+
+struct Map {
+    int H, W;
+    glm::dvec3 centre(int i, int j) const {
+        const double theta = pi / H * (i + 0.5), phi = pi - 2 * pi / W * (j + 0.5);
+        return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+    }
+};
 
 // The columns of a picture sorted by their remainder, columns_apart of them, so that the texels under
 // neighbouring columns of the map are neighbours: [H][channel][remainder][length].
@@ -148,11 +143,15 @@ struct Sorted {
         : columns_apart(apart), period(picture.W / apart), length(2 * period + more) {
         const Planes planes(picture);
         values.resize(size(picture.H * 3 * apart) * size(length));
-        float* to = values.data();
+#pragma omp parallel for
         for (int i = 0; i < picture.H; ++i)
             for (int c = 0; c < 3; ++c)
-                for (int r = 0; r < apart; ++r)
-                    for (int x = 0; x < length; ++x) *to++ = *planes.at(c, i, x % period * apart + r);
+                for (int r = 0; r < apart; ++r) {
+                    const float* from = planes.at(c, i, r);
+                    float* to = values.data() + size((i * 3 + c) * apart + r) * size(length);
+                    for (int x = 0; x < period; ++x) to[x] = from[x * apart];
+                    for (int x = period; x < length; ++x) to[x] = to[x - period];
+                }
     }
     SHRM_INLINE const float* at(int i, int channel, int column) const {
         const int remainder = column % columns_apart;
@@ -161,8 +160,41 @@ struct Sorted {
     }
 };
 
-// Rows and columns of the map that are summed at once: 12 accumulators in registers, with each load of the
-// picture serving two rows and each of the kernels two groups of columns.
+// Columns first, first + step, ... of row i of the map, angle and profile evaluated for every pair of texels.
+template <bool held>
+void every_pair(const Nodes& nodes, const Sorted& light, const RadialProfile& profile, double outer,
+                const Map& map, int i, int first, int step, Visited& cap, float* out) {
+    const int apart = light.columns_apart;
+    const Cubics<held> u(profile, 0);
+    cap.find(nodes, profile, outer, map.centre(i, first));
+    for (int t = 0; t < light.period; t += width) {
+        Sum sum;
+        Lanes single[3] = {};
+        int terms = 0;
+        for (const Row& row : cap.rows) {
+            const Lanes ring = splat(cap.ring[size(row.i)]), span = splat(cap.span[size(row.i)]);
+            const int moved = row.begin + t * apart, column = moved < nodes.W ? moved : moved - nodes.W;
+            for (int j = 0; j < std::min(apart, row.count); ++j) {
+                const float* at[3];
+                for (int c = 0; c < 3; ++c) at[c] = light.at(row.i, c, column + j);
+                sum_turned(u, cap.azimuth.data() + row.begin + j, apart, at,
+                           (row.count - j + apart - 1) / apart, ring, span, single);
+            }
+            terms += row.count;
+            if (terms > terms_in_single) {
+                sum.add(single);
+                terms = 0;
+            }
+        }
+        sum.add(single);
+        for (int x = 0; x < width && t + x < light.period; ++x)
+            for (int c = 0; c < 3; ++c)
+                out[(i * map.W + first + (t + x) * step) * 3 + c] = static_cast<float>(sum.total[c][x]);
+    }
+}
+
+// Rows and columns of the map that are summed at once by symmetry: 12 accumulators in registers, with each
+// load of the picture serving two rows and each of the kernels two groups of columns.
 inline constexpr int map_rows = 2, map_groups = 2;
 
 struct SlideScratch {
@@ -252,14 +284,6 @@ void slide_block(const Sorted& light, const SlideScratch& s, int W, int turn,
     }
 }
 
-struct Map {
-    int H, W;
-    glm::dvec3 centre(int i, int j) const {
-        const double theta = pi / H * (i + 0.5), phi = pi - 2 * pi / W * (j + 0.5);
-        return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
-    }
-};
-
 // Columns first, first + step, ... of the rows of the map from `top` on.
 template <bool held>
 void slide(const Nodes& nodes, const Sorted& light, const RadialProfile& profile, double outer,
@@ -289,8 +313,7 @@ void centres(const Picture& picture, const RadialProfile& profile, double outer,
     const Nodes nodes(picture);
     const Planes planes(picture);
     for_each_query<Scratch>(axes.size(), [&](std::size_t q, Scratch& s) {
-        s.cap.find(nodes, profile, outer, axes[q]);
-        sum_cap<held>(nodes, planes, profile, s, {0, 1, 0, 0}, &out[3 * q]);
+        integrate_centre<held>(nodes, planes, profile, outer, axes[q], s, &out[3 * q]);
     });
 }
 
@@ -298,26 +321,28 @@ template <bool held>
 void whole_map(const Picture& picture, const RadialProfile& profile, double outer, const Map& map,
                bool symmetry, std::span<float> out) {
     const Nodes nodes(picture);
-    // Columns of the map that are a whole number of the picture's columns apart share a kernel.
+    // Columns of the map that are a whole number of the picture's columns apart visit the same texels,
+    // turned.
     const int shared = std::gcd(map.W, picture.W), step = map.W / shared, apart = picture.W / shared;
-    if (symmetry && shared >= width) {
+    if (shared >= width && symmetry) {
         const Sorted light(picture, apart, map_groups * width);
-        for_each_query<SlideScratch>(size((map.H + map_rows - 1) / map_rows * step), [&](std::size_t task,
-                                                                                         SlideScratch& s) {
+        const int blocks = (map.H + map_rows - 1) / map_rows;
+        for_each_query<SlideScratch>(size(blocks * step), [&](std::size_t task, SlideScratch& s) {
             const int top = static_cast<int>(task) / step * map_rows, first = static_cast<int>(task) % step;
             slide<held>(nodes, light, profile, outer, map, top, first, step, s, out.data());
         });
-        return;
+    } else if (shared >= width && one_weight(nodes, profile)) {
+        const Sorted light(picture, apart, width);
+        for_each_query<Visited>(size(map.H * step), [&](std::size_t task, Visited& cap) {
+            const int i = static_cast<int>(task) / step, first = static_cast<int>(task) % step;
+            every_pair<held>(nodes, light, profile, outer, map, i, first, step, cap, out.data());
+        });
+    } else {
+        std::vector<glm::dvec3> axes;
+        for (int i = 0; i < map.H; ++i)
+            for (int j = 0; j < map.W; ++j) axes.push_back(map.centre(i, j));
+        centres<held>(picture, profile, outer, axes, out);
     }
-    // Which texels lie within the width is found once for such columns; the rest is done for each.
-    const Planes planes(picture);
-    for_each_query<Scratch>(size(map.H * step), [&](std::size_t task, Scratch& s) {
-        const int i = static_cast<int>(task) / step, first = static_cast<int>(task) % step;
-        s.cap.find(nodes, profile, outer, map.centre(i, first));
-        for (int t = 0; t < shared; t += turns_at_once)
-            sum_cap<held>(nodes, planes, profile, s, {t, std::min(turns_at_once, shared - t), apart, step},
-                          &out[3 * size(i * map.W + first)]);
-    });
 }
 
 }  // namespace

@@ -50,13 +50,16 @@ def is_radial(lobe: Any) -> bool:
     return lobe.center != "tangent" and hasattr(lobe, "profile")
 
 
-def lobe_integral(lobe: Any, tolerance: float, center: str | None) -> LobeIntegral:
-    """Tabulate a lobe of any kind; `center` replaces an isotropic lobe's own."""
+def lobe_integral(lobe: Any, tolerance: float, center: str | None, share: bool) -> LobeIntegral:
+    """Tabulate a lobe of any kind; `center` replaces an isotropic lobe's own.
+
+    Queries of one view `share` their half vectors, if the lobe needs no more than those.
+    """
     if lobe.center == "tangent":
         return ZonalIntegral(lobe.profile, tolerance)
     if is_radial(lobe):
         return RadialIntegral(lobe.center, lobe.profile, tolerance)
-    return IsotropicIntegral(center or lobe.center, lobe.transfer, tolerance)
+    return IsotropicIntegral(center or lobe.center, lobe.transfer, tolerance, share)
 
 
 class RadialIntegral:
@@ -109,7 +112,7 @@ class ZonalIntegral:
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
         """Reflected radiance; see `LobeIntegral`."""
-        return np.asarray(_core.angular_zonal(**picture, **self._table, axes=t, theta_o=angle_between(t, v)))
+        return np.asarray(_core.angular_zonal(**picture, **self._table, axes=t, theta_o=across(t, v)[1]))
 
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeIntegral`."""
@@ -119,7 +122,7 @@ class ZonalIntegral:
 class IsotropicIntegral:
     """Any other lobe, cut at the horizon of N."""
 
-    def __init__(self, center: str, transfer: Callable[[Array, Array], Array], tolerance: float):
+    def __init__(self, center: str, transfer: Callable[[Array, Array], Array], tolerance: float, share: bool):
         self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
         half_angle = lobe_tables.half_angle_table(transfer, tolerance)
         table = half_angle or lobe_tables.isotropic_table(transfer, tolerance)
@@ -128,7 +131,7 @@ class IsotropicIntegral:
         self._table: dict[str, Any]
         if isinstance(table, lobe_tables.HalfAngleTable):
             self._integrate = _core.angular_half_angle
-            self._table = {**profile_arguments(table.radial), "caps": table.caps}
+            self._table = {**profile_arguments(table.radial), "caps": table.caps, "share": share}
         else:
             self._integrate = _core.angular_isotropic
             self._table = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
@@ -138,6 +141,19 @@ class IsotropicIntegral:
         """Reflected radiance; see `LobeIntegral`."""
         n, v = above_horizon(self.center, n, v)
         return np.asarray(self._integrate(**picture, **self._table, normals=n, views=v))
+
+    def caps(self, n: Array, v: Array) -> tuple[Array, Array]:
+        """What the sum visits for normals and views (n, 3): caps about axes (n, 3), of angles (n,)."""
+        n, v = above_horizon(self.center, n, v)
+        x, theta_v = across(n, v)
+        place = lobe_tables.view_place(np.cos(theta_v))
+        low = np.minimum(place.astype(int), len(self._table["caps"]) - 2)
+        centre, outer = self._table["caps"].T
+        offset = centre[low] + (place - low) * (centre[low + 1] - centre[low])
+        widest = np.maximum(outer[low], outer[low + 1])
+        axes = np.cos(offset)[:, None] * n - np.sin(offset)[:, None] * x
+        hemisphere = widest >= np.pi / 2
+        return np.where(hemisphere[:, None], n, axes), np.where(hemisphere, np.pi / 2, widest)
 
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeIntegral`."""
@@ -149,33 +165,33 @@ class IsotropicIntegral:
         gamma = gamma_table("lobe", self._transfer)
         theta_v = np.linspace(0, np.pi / 2, len(gamma))
         theta_o = np.maximum.accumulate(theta_v + gamma)
-        angle = np.interp(angle_between(centers, v), theta_o, theta_v)
-        x = across(v, centers)
+        x, angle = across(v, centers)
+        angle = np.interp(angle, theta_o, theta_v)
         return np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * x
 
 
 # ---- Directions
 
 
-def across(z: Array, towards: Array) -> Array:
-    """Unit vectors (n, 3) square to z, in the plane of z and `towards`, if they are not parallel."""
-    x = towards - np.einsum("nc,nc->n", towards, z)[:, None] * z
-    parallel = np.linalg.norm(x, axis=1) < 1e-7
-    x[parallel] = np.cross(z[parallel], np.eye(3)[np.argmin(np.abs(z[parallel]), axis=1)])
-    x /= np.linalg.norm(x, axis=1, keepdims=True)
-    return np.asarray(x)
+def across(z: Array, towards: Array) -> tuple[Array, Array]:
+    """Unit vectors (n, 3) square to z, in the plane of z and `towards` unless parallel; the angles (n,)."""
+    cosine = np.einsum("nc,nc->n", towards, z)
+    x = towards - cosine[:, None] * z
+    sine = np.sqrt(np.einsum("nc,nc->n", x, x))
+    angle = np.arctan2(sine, cosine)  # accurate when small
+    parallel = sine < 1e-7
+    if parallel.any():
+        x[parallel] = np.cross(z[parallel], np.eye(3)[np.argmin(np.abs(z[parallel]), axis=1)])
+        sine[parallel] = np.linalg.norm(x[parallel], axis=1)
+    x /= sine[:, None]
+    return x, angle
 
 
 def local_frames(z: Array, towards: Array) -> Array:
     """Frames (n, 3, 3) with columns x, y, z; x as `across` has it."""
     z = z / np.linalg.norm(z, axis=1, keepdims=True)
-    x = across(z, towards)
+    x, _ = across(z, towards)
     return np.stack([x, np.cross(z, x), z], axis=2)
-
-
-def angle_between(a: Array, b: Array) -> Array:
-    """Angles (n,) between unit vectors, accurate when small."""
-    return np.asarray(np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("nc,nc->n", a, b)))
 
 
 def reflection(n: Array, v: Array) -> Array:
@@ -185,9 +201,13 @@ def reflection(n: Array, v: Array) -> Array:
 
 def bisector(a: Array, b: Array) -> Array:
     """The unit vector between a and b: for R and V, the normal. Square to both if they are opposite."""
-    half = 0.5 * angle_between(a, b)[:, None]
-    x = across(b, a)
-    return np.asarray(np.cos(half) * b + np.sin(half) * x)
+    sum_ = a + b
+    length = np.sqrt(np.einsum("nc,nc->n", sum_, sum_))
+    opposite = length < 1e-7
+    if opposite.any():
+        sum_[opposite], length[opposite] = across(b[opposite], a[opposite])[0], 1.0
+    sum_ /= length[:, None]
+    return sum_
 
 
 def above_horizon(center: str, n: Array, v: Array) -> tuple[Array, Array]:
@@ -196,9 +216,14 @@ def above_horizon(center: str, n: Array, v: Array) -> tuple[Array, Array]:
     About the reflection -N takes the place of N, which leaves R as it is; about the lobe or the normal V is
     brought back to the horizon.
     """
-    cosine = np.einsum("nc,nc->n", n, v)[:, None]
+    cosine = np.einsum("nc,nc->n", n, v)
+    below = cosine < 0
+    if not below.any():
+        return n, v
     if center == "reflection":
-        return np.where(cosine < 0, -n, n), v
-    level = v - cosine * n
+        return np.where(below[:, None], -n, n), v
+    level = v[below] - cosine[below, None] * n[below]
     level /= np.maximum(np.linalg.norm(level, axis=1, keepdims=True), 1e-12)
-    return n, np.ascontiguousarray(np.where(cosine < 0, level, v))
+    v = v.copy()
+    v[below] = level
+    return n, v

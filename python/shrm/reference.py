@@ -184,9 +184,10 @@ def prefilter_angular(
         than a quarter of the narrowest lobe's width, at least 2, the texels themselves cut where 16 do not
         suffice; error about 1e-3 or less, or a warning.
     symmetry : bool
-        Whether lat-long maps of radial lobes are made by their symmetry about the axis: the weights of the
-        texels are found once for each row of the map and slid along it. False evaluates the angle and the
-        lobe for every pair of texels, which is the prefiltering that [RH02] section 7.4 compares with. The
+        Whether work is shared where it is the same: for lat-long maps of radial lobes, the weights of the
+        texels are found once for each row of the map and slid along it; for lobes of the half angle, the half
+        vectors are found once for the pixels that have one view. False finds angle and lobe anew for every
+        pair of a pixel and a texel, which is the prefiltering that [RH02] section 7.4 compares with. The
         maps are the same.
 
     Returns
@@ -208,7 +209,7 @@ def prefilter_angular(
         subsamples = whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES)
     if not isinstance(symmetry, bool):
         raise TypeError(f"symmetry must be True or False, got {symmetry!r}")
-    parts = [lobe_integral(lobe, tolerance, center) for lobe in brdf.lobes]
+    parts = [lobe_integral(lobe, tolerance, center, symmetry) for lobe in brdf.lobes]
     if not parts:
         raise ValueError("brdf has no lobes, but needs at least one")
     return AngularReflection(pixels, parts, edge, layout, subsamples, symmetry)

@@ -127,6 +127,7 @@ def angular_half_angle(
     caps: F64,
     normals: F64,
     views: F64,
+    share: bool,
 ) -> F32: ...
 def angular_zonal(
     *, planes: F32, subsamples: int, profiles: F32, bands: F64, axes: F64, theta_o: F64

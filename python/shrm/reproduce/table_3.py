@@ -164,8 +164,8 @@ def notes() -> list[str]:
         " paper's conversion does. New memory for the maps costs the same for every P, the sums over p grow"
         " as T, and T = 10 [RH02 section 7.4] is small enough for their P^2 to show beside P.",
         f"Angular: every pixel integrated by itself over the lobe but for {EPSILON:.0%} of it, one node a"
-        " texel; W is varied by Phong's exponent [RH02 appendix D]. Half vectors are found once for a view,"
-        " and at S_L = 1024 they and the light no longer fit the caches.",
+        " texel; W is varied by Phong's exponent [RH02 appendix D]. Half vectors are found once for a view"
+        " where their table fits a cache, else for every pair.",
     ]
 
 

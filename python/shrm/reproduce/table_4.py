@@ -23,7 +23,7 @@ from shrm.environment import Environment
 from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
 from shrm.relighting import Prefilter
-from shrm.reproduce import phong_costs, single_thread
+from shrm.reproduce import flops, single_thread
 from shrm.reproduce.exponents import fit
 from shrm.reproduce.peak import flops_per_second
 from shrm.reproduce.plotting import COLORS, measured_line, panels, papers_line, plain_log
@@ -96,7 +96,7 @@ def row_of(row: dict[str, Any], size: int, peak: float) -> list[Cell]:
     """Return a row of the table from what was measured."""
     s, (a, b, frequency, papers, one_shot) = row["s"], row["seconds"]
     papers_times = PAPER.get(s)
-    flops_a, flops_b = (phong_costs.angular_flops(size, s, EPSILON, symmetry) for symmetry in (False, True))
+    flops_a, flops_b = (flops.angular_flops(size, s, EPSILON, symmetry) for symmetry in (False, True))
     return [
         s,
         1e3 * a,
@@ -115,7 +115,7 @@ def row_of(row: dict[str, Any], size: int, peak: float) -> list[Cell]:
         1e3 * one_shot,
         flops_a / a / peak,
         flops_b / b / peak,
-        phong_costs.frequency_flops(size, row["F"]) / frequency / peak,
+        flops.frequency_flops(size, row["F"]) / frequency / peak,
     ]
 
 
@@ -304,9 +304,9 @@ def notes(found: dict[str, Any]) -> list[str]:
         "F is the smallest at which the frequency side's error is no larger than the angular side's, rescaled"
         " or not. The paper's own F, rounded, is for 1% of the lobe's energy; its error and time are beside.",
         "Fractions of peak count two flops for a multiply-add:"
-        f" {phong_costs.FLOPS_OF_WEIGHT + phong_costs.FLOPS_OF_SUM} for each sample of (a), the angle, a"
-        f" cubic and three channels; {phong_costs.FLOPS_OF_SUM} for each of (b), and"
-        f" {phong_costs.FLOPS_OF_WEIGHT} for each weight; in frequency space the products of the two"
+        f" {flops.FLOPS_OF_WEIGHT + flops.FLOPS_OF_SUM} for each sample of (a), the angle, a"
+        f" cubic and three channels; {flops.FLOPS_OF_SUM} for each of (b), and"
+        f" {flops.FLOPS_OF_WEIGHT} for each weight; in frequency space the products of the two"
         " transforms, phi folded to a quarter. The peak is that of a float32 matrix product of BLAS in the"
         f" same process, {found['peak'] / 1e9:.0f} Gflop/s.",
         "s*, where both sides cost the same, is measured between the rows, some of which go past the paper's:"

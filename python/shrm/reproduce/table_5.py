@@ -17,11 +17,13 @@ import numpy.typing as npt
 from shrm import brdf, layouts, orders
 from shrm.environment import Environment
 from shrm.explicit import grid_views
+from shrm.lobe_integrals import IsotropicIntegral
 from shrm.prefiltering import prefilter
 from shrm.reference import AngularReflection, prefilter_angular
 from shrm.reflection_map import ReflectionMap
 from shrm.relighting import Prefilter
-from shrm.reproduce import single_thread
+from shrm.reproduce import flops, single_thread
+from shrm.reproduce.peak import flops_per_second
 from shrm.reproduce.plotting import measured_line, panels, papers_line, plain_log
 from shrm.reproduce.representations import root_areas
 from shrm.reproduce.result import Cell, Result, Settings
@@ -89,18 +91,25 @@ def make(settings: Settings) -> Result:
             "(a) / frequency there",
             "(b) / frequency there",
             "SHRM in one shot, ms",
+            "of peak, (a)",
+            "of peak, (b)",
+            "of peak, frequency",
+            "of peak, SHRM",
         ),
-        [row_of(row) for row in rows],
+        [row_of(row, found["size"], found["peak"]) for row in rows],
         notes(found),
         picture(rows),
     )
 
 
-def row_of(row: dict[str, Any]) -> list[Cell]:
+def row_of(row: dict[str, Any], size: int, peak: float) -> list[Cell]:
     """Return a row of the table from what was measured."""
     sigma = row["sigma"]
     a, b, shrm, frequency, papers_shrm, papers_frequency, one_shot = row["seconds"]
     F, P, angular_paper, map_paper, frequency_paper, shrm_paper = PAPER[sigma]
+    flops_a, flops_b = (flops.half_angle_flops(row["samples"], found) for found in (True, False))
+    flops_shrm = flops.shrm_flops(size, *row["orders"])
+    flops_frequency = flops_shrm + T * T * flops.view_flops(size, row["orders"][1])
     return [
         sigma,
         "{}, {}".format(*row["by energy"]),
@@ -132,6 +141,10 @@ def row_of(row: dict[str, Any]) -> list[Cell]:
         T * T * a / papers_frequency,
         T * T * b / papers_frequency,
         1e3 * one_shot,
+        flops_a / a / peak,
+        flops_b / b / peak,
+        flops_frequency / frequency / peak,
+        flops_shrm / shrm / peak,
     ]
 
 
@@ -156,6 +169,12 @@ def notes(found: dict[str, Any]) -> list[str]:
         " under a sun: so the times are for F and P chosen by measured error, the smallest P, then the"
         " smallest F, whose error is no larger than the angular side's, rescaled or not. Times at the"
         " paper's F and P come after.",
+        "Fractions of peak count two flops for a multiply-add: for each sample of (a)"
+        f" {flops.FLOPS_OF_HALF_VECTOR} for the half vector, and for each of both forms"
+        f" {flops.FLOPS_OF_HALF_ANGLE} for the lobe and {flops.FLOPS_OF_SUM} for three channels; in frequency"
+        " space the products of the transforms, and a multiply-add for each map, texel and channel of a view."
+        " What picks the lobe's cubics, mostly permutations, is not arithmetic and not counted. The peak is"
+        f" that of a float32 matrix product of BLAS in the same process, {found['peak'] / 1e9:.0f} Gflop/s.",
         f"Errors are relative RMS over {found['frames']} texels of {T} maps, one of each ring, drawn as their"
         " solid angles, against integration of the whole lobe with 4 x 4 nodes to a texel. Rescaled: over"
         f" {1 - EPSILON:g}, so that the lobe that is kept has the integral of the whole.",
@@ -263,7 +282,14 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
     for row, of_row in zip(rows, seconds.reshape(len(rows), -1), strict=True):
         of_row[:2] /= len(frames.timed)  # of one map
         row["seconds"] = of_row.tolist()
-    return {"rows": rows, "size": size, "views": len(frames.timed), "frames": frames.texels.size}
+        row["samples"] = samples(row["sigma"], frames)
+    return {
+        "rows": rows,
+        "size": size,
+        "views": len(frames.timed),
+        "frames": frames.texels.size,
+        "peak": flops_per_second(),
+    }
 
 
 def compared(light: Environment, sigma: float, frames: Frames) -> dict[str, Any]:
@@ -323,24 +349,28 @@ def relative_rms(found: FloatArray, exact: FloatArray) -> float:
 
 def timed(light: Environment, sigma: float, row: dict[str, Any], frames: Frames) -> list[Call]:
     """Return what is timed: maps in angular space; in frequency space SHRMs, and all their maps."""
-    cut = angular_of(light, sigma, EPSILON, subsamples=1)
-    calls = [integration(cut, frames), lambda: [cut.at_view(view) for view in frames.timed]]
+    calls = [integration(light, sigma, frames, symmetry) for symmetry in (False, True)]
     for chosen in (row["orders"], PAPER[sigma][:2]):
         plan = Prefilter(light, material(sigma), orders=chosen, size=frames.size)
         calls += [relighting(plan, light), all_maps(plan, light)]
     return [*calls, lambda: in_one_shot(light, sigma, row["orders"])]
 
 
-def integration(angular: AngularReflection, frames: Frames) -> Call:
-    """One map's pixels for each view, nothing shared between them."""
+def integration(light: Environment, sigma: float, frames: Frames, symmetry: bool) -> Call:
+    """One map for each view, half vectors found for each pixel or once for the view."""
+    angular = angular_of(light, sigma, EPSILON, subsamples=1, symmetry=symmetry)
+    return lambda: [angular.at_view(view) for view in frames.timed]
+
+
+def samples(sigma: float, frames: Frames) -> float:
+    """Texels that direct integration visits for one map, the mean over the views that are timed."""
+    lobe = IsotropicIntegral("reflection", brdf.Microfacet(sigma).lobes[0].transfer, EPSILON, share=False)
     R = layouts.directions("latlong", frames.size, 2 * frames.size).reshape(-1, 3)
-    queries = []
+    each = []
     for view in frames.timed:
-        # Half vectors are shared among queries that have the first one's view: here, none.
-        V = np.concatenate([np.roll(view, 1)[None], np.broadcast_to(view, R.shape)])
-        N = np.concatenate([R[:1], R]) + V
-        queries.append((N / np.linalg.norm(N, axis=1, keepdims=True), V))
-    return lambda: [angular.radiance(N, V) for N, V in queries]
+        V = np.tile(view, (len(R), 1))
+        each.append(len(R) * flops.samples_in_caps(frames.size, *lobe.caps(lobe.normals(R, V), V)))
+    return float(np.mean(each))
 
 
 def relighting(plan: Prefilter, light: Environment) -> Call:
@@ -375,10 +405,18 @@ def material(sigma: float) -> brdf.BRDF:
     return brdf.Microfacet(sigma).recentred("reflection")
 
 
-def angular_of(light: Environment, sigma: float, epsilon: float, subsamples: int) -> AngularReflection:
+def angular_of(
+    light: Environment, sigma: float, epsilon: float, subsamples: int, symmetry: bool = True
+) -> AngularReflection:
     """Direct integration of all but epsilon of the lobe."""
-    size = len(light.pixels)
-    return prefilter_angular(light, material(sigma), tolerance=epsilon, size=size, subsamples=subsamples)
+    return prefilter_angular(
+        light,
+        material(sigma),
+        tolerance=epsilon,
+        size=len(light.pixels),
+        subsamples=subsamples,
+        symmetry=symmetry,
+    )
 
 
 def shrm_of(light: Environment, sigma: float, chosen: tuple[int, int]) -> ReflectionMap:
