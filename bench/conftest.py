@@ -14,10 +14,14 @@ from limits import ROOT, limits, share, threads
 
 
 def _machine() -> str:
+    """Return the processor's name, with what tells its generation: virtual machines hide the rest."""
+    said: dict[str, str] = {}
     for line in Path("/proc/cpuinfo").read_text().splitlines() if os.path.exists("/proc/cpuinfo") else []:
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return platform.processor()
+        key, _, value = line.partition(":")
+        said.setdefault(key.strip(), value.strip())
+    if "model name" not in said:
+        return platform.processor()
+    return "{model name}, family {cpu family}, model {model}".format_map(said)
 
 
 def _commit() -> str:
