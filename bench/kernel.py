@@ -20,7 +20,7 @@ from counts import Work
 from inputs import coefficients, texels
 from limits import least_seconds, limits, threads
 from shrm import _core, sh
-from shrm.reflection_map import BORDER
+from shrm.reflection_map import BORDER, empty_halves
 
 SECONDS = 3.0
 H, N, F, P = 512, 64, 30, 3
@@ -47,7 +47,10 @@ def cube() -> tuple[Callable[[], Any], Work]:
 
 def view(half: bool = False) -> tuple[Callable[[], Any], Work]:
     side = N + 2 * BORDER
-    rings = texels((6 * side, MAPS, 3, side)).astype(np.float16 if half else np.float32)
+    rings = texels((6 * side, MAPS, 3, side))
+    if half:
+        floats, rings = rings, empty_halves(rings.shape, "cube")
+        _core.to_half(floats, rings)
     direction, pixels = np.array([[0.48, 0.6, 0.64]]), np.empty((6, N, N, 3), dtype=np.float32)
 
     def call() -> None:

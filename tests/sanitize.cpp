@@ -171,7 +171,7 @@ void radiance() {
                     const bool cube = layout == shrm::MapLayout::cube;
                     const int H = cube ? 6 * (N + 2 * shrm::cube_border) : N;
                     const int W = cube ? N + 2 * shrm::cube_border : 2 * N;
-                    shrm::ReflectionMapView map{layout, H, W, P, zonal, {}, {}};
+                    shrm::ReflectionMapView map{layout, H, W, W, P, zonal, {}, {}};
                     const auto rings = random_values<float>(size(H) * size(map.maps()) * 3 * size(W));
                     map.rings = rings;
                     std::vector<float> values(normals.size() * 3), pixels(size(H) * size(W) * 3);
@@ -186,11 +186,14 @@ void radiance() {
                         std::vector<float> many(2 * 2 * pixels.size());
                         shrm::explicit_maps(map, 2, many);
                     }
-                    std::vector<std::uint16_t> halves(rings.size());
-                    shrm::to_half(rings, halves);
                     shrm::largest_magnitude(rings);
+                    map.rings = {};
+                    map.pitch = W + 3;
+                    std::vector<std::uint16_t> halves(rings.size() / size(W) * size(map.pitch));
+                    shrm::to_half(rings, W, halves.data(), map.pitch);
                     map.halves = halves;
                     shrm::view_map(map, views[1], pixels);
+                    shrm::add_radiance(map, shrm::Centre::normal, gamma, normals, views, bilinear, values);
                 }
 }
 

@@ -11,6 +11,7 @@ from light import band_limited_environment
 from shrm import ReflectionMap, _core, brdf, prefilter
 from shrm._core import processor
 from shrm.environment import Environment
+from shrm.reflection_map import empty_halves
 
 ALL_HALVES = np.arange(1 << 16, dtype=np.uint16).view(np.float16)
 
@@ -180,3 +181,25 @@ def test_radiance_of_half_maps(layout):
     exact = whole.radiance(N, V)
     # The relative rounding of a half, 2^-11, of maps whose sum has no more energy than they have.
     assert np.sqrt(((half.radiance(N, V) - exact) ** 2).mean() / (exact**2).mean()) < 2**-11
+
+
+@pytest.mark.parametrize(
+    ("shape", "layout", "border"), [((12, 4, 3, 30), "cube", 2), ((5, 9, 3, 10), "latlong", 0)]
+)
+def test_rows_of_halves_begin_at_even_addresses(shape, layout, border):
+    halves = empty_halves(shape, layout)
+    assert halves.shape == shape
+    rows = halves.ctypes.data + 2 * border + np.arange(np.prod(shape[:3])) * halves.strides[2]
+    assert not np.any(rows % 16)
+    floats = np.random.default_rng(1).normal(size=shape).astype(np.float32)
+    _core.to_half(floats, halves)
+    np.testing.assert_array_equal(halves, floats.astype(np.float16))
+
+
+def test_halves_of_no_regular_rows_are_refused():
+    floats = np.zeros((4, 3, 8), dtype=np.float32)
+    for halves in (np.zeros((4, 3, 16), np.float16)[..., ::2], np.zeros((4, 5, 8), np.float16)[:, :3]):
+        with pytest.raises(TypeError, match="halves must be contiguous, or in rows equally far apart"):
+            _core.to_half(floats, halves)
+    with pytest.raises(ValueError, match="halves has shape"):
+        _core.to_half(floats, np.zeros((4, 3, 9), np.float16))

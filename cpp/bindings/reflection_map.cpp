@@ -95,22 +95,38 @@ std::unique_ptr<MapCoefficientsPlan> map_coefficients_plan(int F, int P, int cha
         new MapCoefficientsPlan{F, P, channels, {F, P, channels, zonal}, {}});
 }
 
+bool is_half(const py::array& array) {
+    return array.dtype().kind() == 'f' && array.itemsize() == 2;
+}
+
+// Values from one row, along the last axis, to the next; what lies between rows belongs to none.
+int require_rows(const py::array& array, const char* name) {
+    const py::ssize_t last = array.ndim() - 1;
+    py::ssize_t pitch = last < 1 ? array.size() : array.strides(last - 1) / array.itemsize();
+    bool regular = last >= 0 && array.strides(last) == array.itemsize() && pitch >= array.shape(last);
+    for (py::ssize_t axis = last - 1; axis >= 1; --axis)
+        regular = regular && array.strides(axis - 1) == array.shape(axis) * array.strides(axis);
+    if (!regular)
+        throw py::type_error(std::string(name) + " must be contiguous, or in rows equally far apart");
+    return static_cast<int>(pitch);
+}
+
 ReflectionMapView require_map(const py::array& rings, bool cube, bool zonal) {
-    const bool half = rings.dtype().kind() == 'f' && rings.itemsize() == 2;
+    const bool half = is_half(rings);
     if (!half && !py::isinstance<Array<float>>(rings))
-        throw py::type_error("rings must be contiguous arrays of float32 or float16");
-    if (!(rings.flags() & py::array::c_style)) throw py::type_error("rings must be contiguous");
+        throw py::type_error("rings must be contiguous arrays of float32, or rows of float16");
     require_shape(rings, "rings", {any, any, 3, any});
+    const int pitch = require_rows(rings, "rings");
     const int H = extent(rings, 0), W = extent(rings, 3), maps = extent(rings, 1);
     const int P = zonal ? maps - 1 : static_cast<int>(std::lround(std::sqrt(maps))) - 1;
-    ReflectionMapView map{cube ? MapLayout::cube : MapLayout::latlong, H, W, P, zonal, {}, {}};
+    ReflectionMapView map{cube ? MapLayout::cube : MapLayout::latlong, H, W, pitch, P, zonal, {}, {}};
     if (P < 0 || P > largest_P || map.maps() != maps)
         throw py::value_error("rings has " + std::to_string(maps) + " maps, but needs (P+1)^2, or P+1 if " +
                               "zonal, and P <= " + std::to_string(largest_P));
     if (cube ? W <= 2 * cube_border || H != 6 * W : H < 2 || W < 4 || W % 2 != 0)
         throw py::value_error("rings has " + std::to_string(H) + " rows of " + std::to_string(W) +
                               " texels, which is no reflection map");
-    const auto count = static_cast<std::size_t>(rings.size());
+    const auto count = static_cast<std::size_t>(rings.size() / W * pitch);
     if (half)
         map.halves = {static_cast<const std::uint16_t*>(rings.data()), count};
     else
@@ -170,13 +186,15 @@ Array<float> explicit_maps(const Array<float>& rings, bool cube, int T) {
 }
 
 void to_half(const Array<float>& rings, py::array& halves) {
-    if (halves.dtype().kind() != 'f' || halves.itemsize() != 2 || !(halves.flags() & py::array::c_style))
-        throw py::type_error("halves must be a contiguous array of float16");
-    if (halves.size() != rings.size()) throw py::value_error("halves and rings have different sizes");
+    if (!is_half(halves)) throw py::type_error("halves must be an array of float16");
+    require_shape(halves, "halves", {rings.shape(), rings.shape() + rings.ndim()});
+    const int pitch = require_rows(halves, "halves");
+    if (rings.size() == 0) return;
+    const int W = extent(rings, static_cast<int>(rings.ndim()) - 1);
     const auto in = view(rings);
-    const std::span<std::uint16_t> out(static_cast<std::uint16_t*>(halves.mutable_data()), in.size());
+    auto* out = static_cast<std::uint16_t*>(halves.mutable_data());
     const py::gil_scoped_release release;
-    shrm::to_half(in, out);
+    shrm::to_half(in, W, out, pitch);
 }
 
 float largest_magnitude(const Array<float>& rings) {

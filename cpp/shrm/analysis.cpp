@@ -3,6 +3,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -46,19 +47,35 @@ inline void planes(const float* north, const float* south, int W, int channels, 
 template <int I>
 SHRM_KERNEL inline void legendre_product(const float* rows, const float* modes, int padded,
                                          float products[][2]) {
-    Floats sums[I][2] = {};
+    constexpr int N = std::bit_ceil(unsigned(2 * I)), at_once = std::min(N, lanes);
+    Floats sums[N] = {};
     for (int k = 0; k < padded; k += lanes) {
         const Floats a = load(modes + k), b = load(modes + padded + k);
         unrolled<I>([&](auto i) {
             const Floats f = load(rows + 2 * i * padded + k);
-            sums[i][0] += f * a;
-            sums[i][1] += f * b;
+            sums[2 * i] += f * a;
+            sums[2 * i + 1] += f * b;
         });
     }
-    unrolled<I>([&](auto i) {
-        products[i][0] = sum_of(sums[i][0]);
-        products[i][1] = sum_of(sums[i][1]);
+    unrolled<N / at_once>([&](auto part) {
+        Floats group[at_once];
+        unrolled<at_once>([&](auto k) { group[k] = sums[part * at_once + k]; });
+        const Floats total = sums_of(group);
+        unrolled<at_once>([&](auto k) {
+            constexpr int z = part * at_once + k;
+            if constexpr (z < 2 * I) products[z / 2][z % 2] = total[int(k)];
+        });
     });
+}
+
+// Pairs of rings that are folded at once: as few as fill whole blocks of rows, to stay in the first cache; of
+// small pictures as many as put their modes in place by whole vectors, which costs more there than a second
+// cache.
+int pairs_at_once(int W, int channels) {
+    constexpr int small = 1 << 17;  // bytes
+    const int few = RingFourier::row_block / 2 / std::gcd(RingFourier::row_block / 2, channels);
+    const int many = round_up(lanes, few);
+    return many * 2 * channels * W * int(sizeof(float)) <= small ? many : few;
 }
 
 }  // namespace
@@ -85,7 +102,7 @@ Analysis::Analysis(int H, int W, int channels, int F, Texel texel, Tables tables
       F_(F),
       rings_((H + 1) / 2),
       padded_(round_up(rings_, lanes)),
-      pairs_(RingFourier::row_block / 2 / std::gcd(RingFourier::row_block / 2, channels)),
+      pairs_(pairs_at_once(W, channels)),
       nodes_(1),
       fourier_(W, F),
       recurrence_(F) {
@@ -117,6 +134,10 @@ Analysis::Analysis(int H, int W, int channels, int F, Texel texel, Tables tables
         order_weight_.push_back(step * sinc * (m ? std::numbers::sqrt2 : 1));
     }
     modes_.assign(size(F + 1) * size(4 * channels) * size(padded_), 0);
+    place_.assign(size(fourier_.mode_pitch()), -1);
+    for (int m = 0; m <= F; ++m)
+        for (int s = 0; s < 2; ++s)
+            place_[fourier_.mode_at(s == 1, m)] = std::ptrdiff_t(4 * m + s) * channels * padded_;
 
     if (tables == Tables::kept && row_size(F + 1) * sizeof(float) <= largest_kept_table) {
         table_.resize(row_size(F + 1));
@@ -138,30 +159,40 @@ std::size_t Analysis::row_size(int m) const {
 void Analysis::fourier_step(const float* pixels, int first_ring, Scratch& scratch) {
     const std::size_t ring = size(W_) * size(channels_);
     const int rows = 2 * pairs_ * channels_;
-    scratch.planar.resize(size(rows) * size(W_));
+    scratch.planar.resize(2 * ring);
     scratch.folded.resize(size(fourier_.folds() * rows) * size(fourier_.pitch()));
     scratch.modes.resize(size(rows) * size(fourier_.mode_pitch()));
     const int count = std::min(pairs_, rings_ - first_ring);
+    float *sum = scratch.planar.data(), *difference = sum + ring;
     for (int i = 0; i < count; ++i) {
         const int north = first_ring + i, south = H_ - 1 - north;
-        float* sum = &scratch.planar[size(2 * i) * ring];
         // The equator's ring mirrors onto itself, and is taken once.
         const float* mirrored = pixels + size(south) * ring;
-        planes(pixels + size(north) * ring, mirrored, W_, channels_, sum, sum + ring);
+        planes(pixels + size(north) * ring, mirrored, W_, channels_, sum, difference);
         if (north == south)
             for (std::size_t j = 0; j < ring; ++j) sum[j] /= 2;
+        fourier_.fold(sum, 2 * channels_, 2 * channels_ * i, rows, scratch.folded.data());
     }
-    fourier_.analyse(scratch.planar.data(), rows, scratch.folded.data(), scratch.modes.data());
-    for (int m = 0; m <= F_; ++m)
-        for (int s = 0; s < 2; ++s) {
-            const float* from = &scratch.modes[fourier_.mode_at(s == 1, m)];
-            for (int parity = 0; parity < 2; ++parity)
-                for (int c = 0; c < channels_; ++c) {
-                    float* to = &modes_[size(((m * 2 + parity) * 2 + s) * channels_ + c) * size(padded_)];
-                    for (int i = 0; i < count; ++i)
-                        to[first_ring + i] =
-                            from[size((2 * i + parity) * channels_ + c) * size(fourier_.mode_pitch())];
+    fourier_.analyse(scratch.folded.data(), rows, scratch.modes.data());
+
+    // To their places: rings side by side, whole squares of them by transposition.
+    const std::size_t pitch = size(fourier_.mode_pitch()), apart = 2 * size(channels_) * pitch;
+    for (int parity = 0; parity < 2; ++parity)
+        for (int c = 0; c < channels_; ++c) {
+            const float* from = &scratch.modes[size(parity * channels_ + c) * pitch];
+            float* to = &modes_[size(2 * parity * channels_ + c) * size(padded_) + size(first_ring)];
+            int i = 0;
+            for (; i + lanes <= count; i += lanes)
+                for (std::size_t column = 0; column < pitch; column += lanes) {
+                    Floats square[lanes];
+                    for (int k = 0; k < lanes; ++k) square[k] = load(from + size(i + k) * apart + column);
+                    transpose(square);
+                    for (std::size_t k = 0; k < lanes; ++k)
+                        if (place_[column + k] >= 0) store(to + place_[column + k] + i, square[k]);
                 }
+            for (std::size_t column = 0; column < pitch; ++column)
+                for (int k = i; k < count && place_[column] >= 0; ++k)
+                    to[place_[column] + k] = from[size(k) * apart + column];
         }
 }
 

@@ -39,9 +39,10 @@ class Analysis {
 
   private:
     struct Scratch {
-        std::vector<float> planar, folded, modes;  // rows (pair, sum | difference, channel) of RingFourier
-        std::vector<float> legendre;               // legendre_rows of one order, if not kept
-        std::vector<double> f, previous, row;      // of the recurrence
+        std::vector<float> planar;             // of one pair of rings
+        std::vector<float> folded, modes;      // rows (pair, sum | difference, channel) of RingFourier
+        std::vector<float> legendre;           // legendre_rows of one order, if not kept
+        std::vector<double> f, previous, row;  // of the recurrence
     };
     void fourier_step(const float* pixels, int first_ring, Scratch& scratch);
     void legendre_rows(int m, Scratch& scratch, float* rows) const;
@@ -50,7 +51,7 @@ class Analysis {
 
     int H_, W_, channels_, F_;
     int rings_, padded_;  // northern rings; rounded up to whole vectors
-    int pairs_;           // of rings that are folded at once: as few as fill whole blocks of rows
+    int pairs_;           // of rings that are folded at once
     int nodes_;           // of the quadrature in theta, to a ring
     RingFourier fourier_;
     LegendreRecurrence recurrence_;
@@ -58,6 +59,7 @@ class Analysis {
     std::vector<double> order_weight_;       // per m: the quadrature in phi, and the norm of the real basis
     std::vector<float> table_;               // legendre_rows of all orders, if kept
     std::vector<float> modes_;               // (m, even | odd in theta, cos | sin, channel, ring)
+    std::vector<std::ptrdiff_t> place_;      // in modes_, of each of RingFourier's modes; -1 for none
     std::vector<Scratch> scratch_;           // one for each thread
 };
 

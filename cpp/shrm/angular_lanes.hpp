@@ -58,7 +58,7 @@ SHRM_INLINE Lanes splat(float value) {
 SHRM_INLINE Lanes inverse_root(const Lanes& v) {
 #if defined(__AVX512F__)
     // 14 bits, then a step of Newton's: less than a third of the time of a root and a division
-    const Lanes r = reinterpret_cast<Lanes>(_mm512_rsqrt14_ps(reinterpret_cast<__m512>(v)));
+    const Lanes r = reinterpret_cast<Lanes>(_mm512_maskz_rsqrt14_ps(0xffff, reinterpret_cast<__m512>(v)));
     return r * (1.5f - 0.5f * v * r * r);
 #else
     Lanes r;

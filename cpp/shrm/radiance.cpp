@@ -161,7 +161,7 @@ class Tile {
     // Four rows of all maps from `row`, and from `column` the columns of one look or of any; beyond a pole a
     // map continues half a turn on.
     void load(int row, int column, bool one) {
-        const std::size_t width = size(map_.W), rings = size(maps_) * 3;
+        const std::size_t rings = size(maps_) * 3;
         for (int a = 0; a < 4; ++a) {
             int from_row = row + a, from = column;
             if (map_.layout == MapLayout::latlong) {
@@ -171,7 +171,7 @@ class Tile {
                 from_row = std::clamp(from_row, 0, map_.H - 1);  // a map of one row
                 from = (column - 2 + (beyond ? map_.W / 2 : 0) + map_.W) % map_.W;
             }
-            const std::size_t ring = size(from_row) * rings * width;
+            const std::size_t ring = size(from_row) * rings * size(map_.pitch);
             float* target = &values_[size(a) * rings * columns];
             const auto copy_ring = [&](const auto* source) {
                 if (one)
@@ -209,8 +209,7 @@ class Tile {
   private:
     template <int count, class Stored>
     void copy(const Stored* source, int from, float* target) const {
-        const std::size_t width = size(map_.W);
-        for (int k = 0; k < 3 * maps_; ++k, source += width, target += columns)
+        for (int k = 0; k < 3 * maps_; ++k, source += map_.pitch, target += columns)
             if (from + count <= map_.W) {
                 for (int b = 0; b < count; ++b) target[b] = float_from(source[from + b]);
             } else {

@@ -98,7 +98,7 @@ std::size_t RingFourier::mode_at(bool sine, int m) const {
 }
 
 // One row of the circle to the folds, [fold] -> (K).
-inline void RingFourier::fold(const float* planar, float* const* folded) const {
+inline void RingFourier::fold_row(const float* planar, float* const* folded) const {
     const float *B = planar + W_ / 2 - 1, *C = planar + W_ / 2, *D = planar + W_ - 1;
     const auto quarters = [&](int k, auto a, auto b, auto c, auto d, const auto& put) {
         put(folded[0] + k, (a + d) + (b + c));
@@ -129,14 +129,18 @@ inline void RingFourier::fold(const float* planar, float* const* folded) const {
         for (std::size_t t = 0; t < folds_.size(); ++t) folded[t][K_ - 1] /= 2;
 }
 
-void RingFourier::analyse(const float* planar, int rows, float* folded, float* modes) const {
+void RingFourier::fold(const float* planar, int count, int first, int rows, float* folded) const {
     const std::size_t plane = size(rows) * size(K_padded_);
-    for (int r = 0; r < rows; ++r) {
+    for (int r = 0; r < count; ++r) {
         float* parts[4];
         for (std::size_t t = 0; t < folds_.size(); ++t)
-            parts[t] = folded + t * plane + size(r) * size(K_padded_);
-        fold(planar + size(r) * size(W_), parts);
+            parts[t] = folded + t * plane + size(first + r) * size(K_padded_);
+        fold_row(planar + size(r) * size(W_), parts);
     }
+}
+
+void RingFourier::analyse(const float* folded, int rows, float* modes) const {
+    const std::size_t plane = size(rows) * size(K_padded_);
     for (std::size_t t = 0; t < folds_.size(); ++t) {
         const Fold& f = folds_[t];
         int j = 0;

@@ -18,8 +18,10 @@ class RingFourier {
 
     // modes(row, j) = sum over the ring of row(k) cos(m phi_k), or sin(m phi_k), for the orders of each fold:
     // mode_at() says where m is.
-    //   planar (rows, W); folded (folds() * rows, pitch()) is the caller's; modes (rows, mode_pitch())
-    void analyse(const float* planar, int rows, float* folded, float* modes) const;
+    //   folded (folds(), rows, pitch()), modes (rows, mode_pitch())
+    void analyse(const float* folded, int rows, float* modes) const;
+    // Folds some rows, planar (count, W), to the rows of `folded` from `first` on.
+    void fold(const float* planar, int count, int first, int rows, float* folded) const;
     int folds() const { return static_cast<int>(folds_.size()); }
     int pitch() const { return K_padded_; }
     int mode_pitch() const { return mode_pitch_; }
@@ -42,7 +44,7 @@ class RingFourier {
         std::vector<float> by_order;  // (orders, K_padded), for synthesis
     };
     int order_step() const { return quarters_ ? 2 : 1; }
-    void fold(const float* planar, float* const* folded) const;
+    void fold_row(const float* planar, float* const* folded) const;
     template <int Folds, int Channels>
     void synthesise_channels(const float* modes, int channels, int stride, float* const* rings) const;
 

@@ -2,6 +2,7 @@
 // must be the same for every instruction set.
 #pragma once
 
+#include <algorithm>
 #include <type_traits>
 #include <utility>
 
@@ -87,10 +88,59 @@ inline Floats interleaved(Floats a, Floats b, Floats c) {
     return shuffled<[](int i) { return (first + i) % 3 == 2 ? lanes + (first + i) / 3 : i; }>(ab, c);
 }
 
-inline float sum_of(Floats v) {
-    float sum = 0;
-    for (int i = 0; i < lanes; ++i) sum += v[i];
-    return sum;
+// Of each two blocks of `apart` lanes the first (0) or the second (1); odd blocks of the result from the
+// second vector.
+template <int apart, int which>
+struct EveryOther {
+    constexpr int operator()(int i) const {
+        return i / apart % 2 * lanes + i / (2 * apart) * (2 * apart) + i % apart + which * apart;
+    }
+};
+
+template <int N, int apart>
+inline void add_lanes(Floats (&v)[N]) {
+    if constexpr (apart < lanes) {
+        constexpr int left = std::max(N / apart, 1);  // vectors that still hold sums
+        unrolled<std::max(left / 2, 1)>([&](auto pair) {
+            Floats& first = v[2 * apart * pair];
+            const Floats second = v[left > 1 ? 2 * apart * pair + apart : 0];
+            first = shuffled<EveryOther<apart, 0>{}>(first, second) +
+                    shuffled<EveryOther<apart, 1>{}>(first, second);
+        });
+        add_lanes<N, 2 * apart>(v);
+    }
+}
+
+// Lane k of the result is the sum of all lanes of v[k], k < N, a power of two, at most `lanes`. Each step
+// adds pairs of blocks of lanes, and puts the blocks of two vectors side by side in one. v is overwritten.
+template <int N>
+inline Floats sums_of(Floats (&v)[N]) {
+    static_assert((N & (N - 1)) == 0 && N <= lanes);
+    add_lanes<N, 1>(v);
+    return v[0];
+}
+
+// Blocks of `apart` lanes of the upper (0) or lower (1) row of two, after the two off the diagonal have
+// changed places.
+template <int apart, int row>
+struct Exchanged {
+    constexpr int operator()(int i) const {
+        return i / apart % 2 == 0 ? i + row * apart : lanes + i - (1 - row) * apart;
+    }
+};
+
+// Exchanges rows and columns of a square.
+template <int apart = 1>
+inline void transpose(Floats (&v)[lanes]) {
+    if constexpr (apart < lanes) {
+        unrolled<lanes / 2>([&](auto k) {
+            constexpr int row = k / apart * 2 * apart + k % apart;
+            const Floats upper = shuffled<Exchanged<apart, 0>{}>(v[row], v[row + apart]);
+            v[row + apart] = shuffled<Exchanged<apart, 1>{}>(v[row], v[row + apart]);
+            v[row] = upper;
+        });
+        transpose<2 * apart>(v);
+    }
 }
 
 }  // namespace shrm

@@ -26,8 +26,9 @@ struct ShownTexels {
 // grid: (H, W, 3), or (6, N, N, 3) for cubes, without their borders.
 void view_map(const ReflectionMapView& map, const glm::dvec3& view, std::span<float> pixels);
 
-// The maps as half floats, to the nearest; from 65520 on they are infinite.
-void to_half(std::span<const float> rings, std::span<std::uint16_t> halves);
+// The maps as half floats, to the nearest; from 65520 on they are infinite. Rows of W values, `pitch` apart
+// in `halves`.
+void to_half(std::span<const float> rings, int W, std::uint16_t* halves, int pitch);
 
 // The largest magnitude in the maps, NaN aside: what tells beforehand whether they fit half floats.
 float largest_magnitude(std::span<const float> rings);

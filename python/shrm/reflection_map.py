@@ -197,7 +197,7 @@ class Part:
             return self
         rings = self.rings.astype(np.float32, copy=False)
         require_half_range(rings)
-        halves = np.empty(rings.shape, dtype=np.float16)
+        halves = empty_halves(rings.shape, self.layout)
         _core.to_half(rings, halves)
         return replace(self, rings=halves)
 
@@ -207,6 +207,18 @@ class Part:
         `size` is the rows of a lat-long map, or of a cube's face.
         """
         return replace(self, layout=layout, rings=synthesised(self.coefficients, size, layout))
+
+
+def empty_halves(shape: tuple[int, ...], layout: Layout) -> Float16Array:
+    """Memory for half maps (H, maps, 3, W): every row that is shown begins at a multiple of 16 bytes.
+
+    So no eight of them lie across two lines of a cache, which would slow the sum for a view by a tenth.
+    """
+    W = shape[-1]
+    pitch, line = -(-W // 8) * 8, 32
+    flat = np.empty(shape[0] * shape[1] * shape[2] * pitch + line, dtype=np.float16)
+    first = (-flat.ctypes.data // 2 - (BORDER if layout == "cube" else 0)) % line
+    return flat[first : first + len(flat) - line].reshape(*shape[:-1], pitch)[..., :W]
 
 
 def require_half_range(rings: Float32Array) -> None:

@@ -30,6 +30,7 @@ from shrm.reflection_map import (
     Layout,
     Part,
     ReflectionMap,
+    empty_halves,
     require_half_range,
 )
 from shrm.validation import rotation as checked_rotation
@@ -228,7 +229,7 @@ class _LobePlan:
             self._synthesis = _core.Synthesis(H=H, W=W, channels=3 * maps, F=J)
         self._rings = np.empty((H, maps, 3, W), dtype=np.float32)
         half = part.rings.dtype == np.float16
-        self._halves = np.empty(part.rings.shape, dtype=np.float16) if half else None
+        self._halves = empty_halves(part.rings.shape, part.layout) if half else None
 
     def tables_of(self, lobe: LobeAnalysis, window: Window | None) -> tuple[FloatArray, FloatArray]:
         """Return gamma and rho of another lobe of the same kind."""
