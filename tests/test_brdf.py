@@ -379,3 +379,10 @@ def test_parameters_out_of_range_are_refused_by_name(make, error, text):
     with pytest.raises(error, match=text) as caught:
         make()
     assert "\n" not in str(caught.value)
+
+
+def test_equal_materials_about_another_centre_are_one():
+    # so that their analysis, which is kept for a material, is found again
+    assert brdf.GGX(0.3).recentred("reflection") is brdf.GGX(0.3).recentred("reflection")
+    assert brdf.GGX(0.3).recentred("reflection") is not brdf.GGX(0.3).recentred("lobe")
+    assert brdf.GGX(0.3).recentred("reflection") is not brdf.GGX(0.4).recentred("reflection")

@@ -30,6 +30,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -267,27 +268,7 @@ class BRDF(ABC):
             If no such material exists; the text says why.
         """
         one_of("center", center, get_args(Center))
-        wanted = "tangent" if center == "tangent" else "normal"
-        if any(lobe.frame != wanted for lobe in self.lobes):
-            raise ValueError(
-                f"{self.name} cannot be centred on the {_CENTER_TEXT[center]}: a lobe about the tangent has "
-                "no normal, and a lobe about the normal, the reflection or the lobe centre depends on it"
-            )
-        if not merge:
-            moved = (
-                replace(lobe, center=center) if isinstance(lobe, IsotropicLobe) else lobe
-                for lobe in self.lobes
-            )
-            return Material(tuple(moved), self.name)
-        if center == "tangent":
-            raise ValueError(f"{self.name} cannot be merged about the tangent: its lobes have no normal")
-        if any(isinstance(lobe, RadialLobe) and lobe.center == "reflection" for lobe in self.lobes):
-            raise ValueError(
-                f"{self.name} cannot be merged: its lobe about the reflection has no horizon, "
-                "and an isotropic lobe is zero below it"
-            )
-        lobes = self.lobes
-        return Material((IsotropicLobe(center, lambda wi, wo: _sum_of_transfers(lobes, wi, wo)),), self.name)
+        return _recentred(self, center, merge)
 
     def __add__(self, other: object) -> BRDF:
         if not isinstance(other, BRDF):
@@ -337,6 +318,32 @@ class Material(BRDF):
     def name(self) -> str:
         """The name it was given."""
         return self._name
+
+
+@lru_cache(maxsize=64)
+def _recentred(material: BRDF, center: Center, merge: bool) -> BRDF:
+    """See `BRDF.recentred`. Equal materials give the same one, so that what is kept for it is found again."""
+    wanted = "tangent" if center == "tangent" else "normal"
+    if any(lobe.frame != wanted for lobe in material.lobes):
+        raise ValueError(
+            f"{material.name} cannot be centred on the {_CENTER_TEXT[center]}: a lobe about the tangent has "
+            "no normal, and a lobe about the normal, the reflection or the lobe centre depends on it"
+        )
+    if not merge:
+        moved = (
+            replace(lobe, center=center) if isinstance(lobe, IsotropicLobe) else lobe
+            for lobe in material.lobes
+        )
+        return Material(tuple(moved), material.name)
+    if center == "tangent":
+        raise ValueError(f"{material.name} cannot be merged about the tangent: its lobes have no normal")
+    if any(isinstance(lobe, RadialLobe) and lobe.center == "reflection" for lobe in material.lobes):
+        raise ValueError(
+            f"{material.name} cannot be merged: its lobe about the reflection has no horizon, "
+            "and an isotropic lobe is zero below it"
+        )
+    lobes = material.lobes
+    return Material((IsotropicLobe(center, lambda wi, wo: _sum_of_transfers(lobes, wi, wo)),), material.name)
 
 
 _CENTER_TEXT = {"lobe": "lobe centre", "reflection": "reflection", "normal": "normal", "tangent": "tangent"}
