@@ -42,8 +42,8 @@ PYTHON_ORDER = [
     ["export"],
     ["demo"],
     ["reproduce"],
-    ["cli"],
     ["viewer"],
+    ["cli"],
 ]
 
 # Each stage, with its parts, may include only those above it.

@@ -88,6 +88,12 @@ class Part:
         return int(self.rings.shape[0] if self.layout == "latlong" else self.rings.shape[3] - 2 * BORDER)
 
     @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of one map: (H, W, 3), or (6, N, N, 3) for cubes."""
+        N = self.size
+        return (6, N, N, 3) if self.layout == "cube" else (*self.rings.shape[::3], 3)
+
+    @property
     def maps(self) -> Float32Array | Float16Array:
         """The coefficient maps, a view.
 
@@ -133,6 +139,12 @@ class Part:
         flat = self.coefficients.reshape(len(self.coefficients), -1)
         coefficients = _core.evaluate(coefficients=flat, directions=C).reshape(len(C), -1, 3)
         return np.asarray(np.einsum("nz,nzc->nc", self._view_basis(C, views), coefficients))
+
+    def sum_for_view(self, view: FloatArray, pixels: Float32Array) -> None:
+        """Sum the maps for a view (1, 3) into one of `shape` [RH02 eq. 12]; nothing is checked."""
+        _core.view_map(
+            rings=self.rings, cube=self.layout == "cube", zonal=self.zonal, direction=view, pixels=pixels
+        )
 
     def looked_up(self, C: FloatArray, views: FloatArray) -> Float32Array:
         """Return the radiance from cubic look-ups in the maps at central directions; (n, 3)."""
@@ -390,14 +402,10 @@ class ReflectionMap:
             if part.center == "lobe":
                 lobes += 1
                 name = "lobe" if lobes == 1 else f"lobe {lobes}"
-            N = part.size
-            shape = (6, N, N, 3) if part.layout == "cube" else (*part.rings.shape[::3], 3)
             if out is not None:
-                require_array("out", out, shape, np.float32, writeable=True)
-            pixels = np.empty(shape, dtype=np.float32) if out is None else out
-            _core.view_map(
-                rings=part.rings, cube=part.layout == "cube", zonal=part.zonal, direction=V, pixels=pixels
-            )
+                require_array("out", out, part.shape, np.float32, writeable=True)
+            pixels = np.empty(part.shape, dtype=np.float32) if out is None else out
+            part.sum_for_view(V, pixels)
             maps[name] = maps[name] + pixels if name in maps else pixels
         if self.clamp:
             for pixels in maps.values():

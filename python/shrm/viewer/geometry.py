@@ -1,0 +1,118 @@
+"""Shapes as OpenGL draws them, and the camera as a matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import moderngl
+import numpy as np
+
+from shrm.render.camera import Camera, FloatArray
+from shrm.render.mesh import Mesh
+from shrm.render.shapes import Shape, Sphere
+
+# A cube of side 2, seen from inside: its far side is drawn.
+BOX = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float64)
+BOX_FACES = np.array(
+    [
+        [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+        [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+    ],
+    np.int64,
+)  # fmt: skip
+
+
+class Geometry:
+    """A shape's vertices on the GPU.
+
+    Raises
+    ------
+    TypeError
+        If the shape is neither a `shrm.render.Mesh` nor a `shrm.render.Sphere`.
+    """
+
+    def __init__(self, gl: moderngl.Context, shape: Shape) -> None:
+        self._gl = gl
+        self.sphere: tuple[float, ...] | None = None
+        vertices: FloatArray
+        if isinstance(shape, Mesh):
+            uv = np.zeros((len(shape.vertices), 2)) if shape.uv is None else shape.uv
+            vertices, faces = np.concatenate([shape.vertices, shape.vertex_normals, uv], axis=1), shape.faces
+            self._attributes = {"position": 3, "normal": 3, "uv": 2}
+        elif isinstance(shape, Sphere):
+            vertices, faces = BOX, BOX_FACES
+            self._attributes = {"position": 3}
+            self.sphere = (*shape.center, shape.radius)
+        else:
+            raise TypeError(f"a shape must be a Mesh or a Sphere to be drawn, got {type(shape).__name__}")
+        self._vertices = gl.buffer(vertices.astype(np.float32).tobytes())
+        self._faces = gl.buffer(faces.astype(np.int32).tobytes())
+        self._arrays: dict[int, moderngl.VertexArray] = {}
+
+    def draw(self, program: moderngl.Program) -> None:
+        """Draw with a program, whose uniforms are set."""
+        if program.glo not in self._arrays:
+            # A program may have no use for some of them.
+            used = [name for name in self._attributes if name in program]
+            layout = " ".join(
+                f"{n}f" if name in used else f"{4 * n}x" for name, n in self._attributes.items()
+            )
+            content = [(self._vertices, layout, *used)]
+            self._arrays[program.glo] = self._gl.vertex_array(program, content, self._faces)
+        self._arrays[program.glo].render()
+
+    def release(self) -> None:
+        """Free what it holds on the GPU."""
+        for array in self._arrays.values():
+            array.release()
+        self._vertices.release()
+        self._faces.release()
+
+
+def bounds(shape: Shape) -> tuple[FloatArray, float]:
+    """Centre (3,) and radius of a ball that holds a mesh or a sphere."""
+    if isinstance(shape, Sphere):
+        return np.asarray(shape.center, np.float64), shape.radius
+    assert isinstance(shape, Mesh)
+    low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
+    return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
+
+
+def clip_from_world(
+    camera: Camera, aspect: float, shift: tuple[float, float], shapes: Sequence[Shape]
+) -> FloatArray:
+    """Return the matrix (4, 4) that takes world positions to OpenGL's clip space.
+
+    Parameters
+    ----------
+    camera : Camera
+    aspect : float
+        Width of the picture by its height.
+    shift : (x, y)
+        By how much points move on the screen, whose sides are 2: for samples beside the middle of a pixel.
+    shapes : sequence of shapes
+        Lie between the near and the far plane, as far as they are in front of the eye.
+    """
+    axes, position = camera.axes, np.asarray(camera.position, np.float64)
+    balls = [bounds(shape) for shape in shapes]
+    middles = [float((c - position) @ axes[2]) for c, _ in balls] or [1.0]
+    radii = [r for _, r in balls] or [0.5]
+    far = max(1.01 * float(np.add(middles, radii).max()), 1e-6)
+    near = float(np.subtract(middles, radii).min()) - 0.01 * abs(far)
+    world = np.eye(4)
+    world[:3, :3], world[:3, 3] = axes, -axes @ position  # right, up, forward
+
+    clip = np.zeros((4, 4))
+    if camera.height is not None:
+        clip[0, 0], clip[1, 1] = 2.0 / (camera.height * aspect), 2.0 / camera.height
+        clip[2, 2], clip[2, 3] = 2.0 / (far - near), -(far + near) / (far - near)
+        clip[3, 3] = 1.0
+    else:
+        near = max(near, 1e-3 * far)
+        reach = np.tan(np.radians(camera.fov) / 2.0)
+        clip[0, 0], clip[1, 1] = 1.0 / (reach * aspect), 1.0 / reach
+        clip[2, 2], clip[2, 3] = (far + near) / (far - near), -2.0 * far * near / (far - near)
+        clip[3, 2] = 1.0
+    clip[0] += shift[0] * clip[3]
+    clip[1] += shift[1] * clip[3]
+    return clip @ world

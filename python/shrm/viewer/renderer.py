@@ -1,0 +1,242 @@
+"""The renderer on the GPU: what `shrm.render.render` draws, as fast as OpenGL can.
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from shrm.reflection_map import BORDER, ReflectionMap
+from shrm.render.camera import FloatArray
+from shrm.render.picture import FloatPixels, Lighting, Object, Picture
+from shrm.validation import whole_number
+from shrm.viewer.context import Context, offscreen
+from shrm.viewer.geometry import Geometry, clip_from_world
+from shrm.viewer.maps import CENTERS, LobeMaps
+from shrm.viewer.programs import Maps, Surface, object_program, screen_program, set_uniforms
+from shrm.viewer.resources import Resources
+from shrm.viewer.scene import Scene
+
+SEAMLESS = 0x884F  # GL_TEXTURE_CUBE_MAP_SEAMLESS
+LARGEST = 16384
+
+
+class Renderer:
+    """Draws scenes with OpenGL, without a window.
+
+    Parameters
+    ----------
+    size : int or (int, int)
+        Width and height of the pictures, or one for both; at most 16384.
+    samples : int
+        samples x samples points to a pixel, averaged, at the places where `shrm.render.render` has them.
+    map_size : int
+        Edge of the cubes' faces that lat-long maps are made anew for.
+    context : Context, optional
+        Where to draw; by default one without a display (`shrm.viewer.context.offscreen`).
+
+    Raises
+    ------
+    ContextError
+        If there is no OpenGL.
+    TypeError, ValueError
+        If an argument is not as described.
+    """
+
+    def __init__(
+        self,
+        size: int | tuple[int, int],
+        *,
+        samples: int = 1,
+        map_size: int = 64,
+        context: Context | None = None,
+    ) -> None:
+        width, height = (size, size) if isinstance(size, int) else size
+        self.width = whole_number("width", width, 1, LARGEST)
+        self.height = whole_number("height", height, 1, LARGEST)
+        self.samples = whole_number("samples", samples, 1, 64)
+        self.map_size = whole_number("map_size", map_size, 1, 4096)
+        self.context = offscreen() if context is None else context
+        gl = self.gl = self.context.gl
+        gl.enable_direct(SEAMLESS)
+        self.resources = Resources()
+        self._programs: dict[tuple[Surface, Maps], moderngl.Program] = {}
+        self._background = screen_program(gl, "background.frag")
+        self._screen = gl.vertex_array(self._background, [])
+        self._white = _texture(gl, np.ones((1, 1, 3), np.float32))
+        self._target = gl.framebuffer(
+            [gl.texture((self.width, self.height), 4, dtype="f4")],
+            gl.depth_renderbuffer((self.width, self.height)),
+        )
+
+    def render(self, scene: Scene) -> Picture:
+        """Draw a scene.
+
+        Returns
+        -------
+        shrm.render.Picture
+            Linear radiance and coverage, as `shrm.render.render` has them.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If a material is no reflection map, or a shape is neither a mesh nor a sphere.
+        """
+        self.context.activate()
+        n = self.samples
+        total = np.zeros((self.height, self.width, 4), np.float32)
+        for row in range(n):
+            for column in range(n):
+                # The point of a pixel that is drawn is its middle: move the picture under it.
+                shift = ((n - 1 - 2 * column) / (n * self.width), (2 * row + 1 - n) / (n * self.height))
+                self.draw(scene, self._target, shift)
+                total += self._read()
+        self.resources.end_frame()
+        total /= n * n
+        radiance = np.ascontiguousarray(total[..., :3])
+        if n > 1 and scene.background is None:
+            radiance[total[..., 3] == 0] = 0
+        return Picture(radiance, np.ascontiguousarray(total[..., 3]))
+
+    def _read(self) -> FloatPixels:
+        pixels = np.frombuffer(self._target.read(components=4, dtype="f4"), np.float32)
+        return pixels.reshape(self.height, self.width, 4)[::-1]  # OpenGL's rows run upwards
+
+    def release(self) -> None:
+        """Free what it holds on the GPU."""
+        self.context.activate()
+        self.resources.release()
+        for program in (*self._programs.values(), self._background):
+            program.release()
+        for held in (self._screen, self._white, *self._target.color_attachments, self._target):
+            held.release()
+
+    # ---- Drawing
+
+    def draw(
+        self, scene: Scene, target: moderngl.Framebuffer, shift: tuple[float, float] = (0.0, 0.0)
+    ) -> None:
+        """Draw linear radiance into a framebuffer of floats with depth; alpha is the coverage."""
+        gl = self.gl
+        target.use()
+        gl.disable(moderngl.BLEND)
+        target.depth_mask = True
+        target.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+        aspect = target.width / target.height
+        if scene.background is not None:
+            self._draw_background(scene, scene.background, aspect, shift)
+        gl.enable(moderngl.DEPTH_TEST)
+        shapes = [thing.shape for thing in scene.objects]
+        eye = {
+            "clip_from_world": clip_from_world(scene.camera, aspect, shift, shapes),
+            "orthographic": scene.camera.height is not None,
+            "eye": tuple(scene.camera.position),
+            "forward": tuple(scene.camera.forward),
+            "distant": scene.viewer == "distant",
+        }
+        view = -scene.camera.forward[None]
+        for index, thing in enumerate(scene.objects):
+            self._draw_object(index, thing, view, eye, target)
+        gl.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+
+    def _draw_background(
+        self, scene: Scene, light: Lighting, aspect: float, shift: tuple[float, float]
+    ) -> None:
+        gl, camera = self.gl, scene.camera
+        texture = self.resources.get("background", light.pixels, lambda pixels: _Environment(gl, pixels))
+        right, up, forward = camera.axes
+        reach = 0.0 if camera.height is not None else float(np.tan(np.radians(camera.fov) / 2.0))
+        texture.texture.use(0)
+        set_uniforms(
+            self._background,
+            environment=0,
+            poles=texture.poles,
+            light_from_world=np.asarray(scene.rotation, np.float64).T,
+            forward=tuple(forward),
+            right=tuple(reach * aspect * right),
+            up=tuple(reach * up),
+            shift=shift,
+        )
+        gl.disable(moderngl.DEPTH_TEST)
+        self._screen.render(moderngl.TRIANGLES, vertices=3)
+
+    def _draw_object(
+        self, index: int, thing: Object, view: FloatArray, eye: dict[str, Any], target: moderngl.Framebuffer
+    ) -> None:
+        gl, get = self.gl, self.resources.get
+        if not isinstance(thing.material, ReflectionMap):
+            name = type(thing.material).__name__
+            raise TypeError(f"a material must be a shrm.ReflectionMap to be drawn by the GPU, got {name}")
+        shape = get(("shape", index), thing.shape, lambda shape: Geometry(gl, shape))
+        picture = self._white
+        if thing.texture is not None:
+            picture = get(("texture", index), thing.texture, lambda pixels: _texture(gl, pixels))
+        picture.use(2)
+        program = self._program(shape, eye["distant"])
+        set_uniforms(
+            program,
+            **eye,
+            sphere=shape.sphere,
+            reflection_map=0,
+            maps=0,
+            gamma=1,
+            picture=2,
+            border=BORDER,
+            clamped=thing.material.clamp,
+            axis=tuple(map(float, thing.axis)),
+        )
+        # A sphere's pixels are those of the far side of its box.
+        (gl.disable if shape.sphere is None else gl.enable)(moderngl.CULL_FACE)
+        gl.blend_func = moderngl.ONE, moderngl.ONE
+        for k, given in enumerate(thing.material.parts):
+            key = ("lobe", index, k, given.rings.shape)
+            lobe = get(key, given, lambda part: LobeMaps(gl, part, self.map_size), LobeMaps.renew)
+            (lobe.dynamic(view) if eye["distant"] else lobe.factored()).use(0)
+            lobe.gamma.use(1)
+            part = lobe.part
+            set_uniforms(program, center=CENTERS[part.center], P=part.P, zonal=part.zonal, first_lobe=k == 0)
+            if k == 1:  # further lobes are added where the first one is seen
+                gl.enable(moderngl.BLEND)
+                gl.depth_func = "=="
+                target.depth_mask = False
+            shape.draw(program)
+        gl.disable(moderngl.BLEND)
+        gl.depth_func = "<"
+        target.depth_mask = True
+
+    def _program(self, shape: Geometry, distant: bool) -> moderngl.Program:
+        key: tuple[Surface, Maps] = (
+            "mesh" if shape.sphere is None else "sphere",
+            "dynamic" if distant else "factored",
+        )
+        if key not in self._programs:
+            self._programs[key] = object_program(self.gl, *key)
+        return self._programs[key]
+
+
+class _Environment:
+    """A lat-long picture on the GPU, and the mean radiance of its first and last row."""
+
+    def __init__(self, gl: moderngl.Context, pixels: FloatPixels) -> None:
+        H, W = pixels.shape[:2]
+        self.texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels, np.float32), dtype="f4")
+        self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self.texture.repeat_x, self.texture.repeat_y = True, False
+        self.poles = [tuple(map(float, pixels[row].mean(axis=0))) for row in (0, -1)]
+
+    def release(self) -> None:
+        self.texture.release()
+
+
+def _texture(gl: moderngl.Context, pixels: FloatPixels) -> moderngl.Texture:
+    """A repeating picture, (u, v) = (0, 1) its upper left corner."""
+    H, W = pixels.shape[:2]
+    texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels[::-1], np.float32), dtype="f4")
+    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+    return texture
