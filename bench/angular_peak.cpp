@@ -39,13 +39,13 @@ __attribute__((noinline)) void row(const Cubics<true>& profile, const float* azi
     std::copy_n(sum, 3, out);
 }
 
-template <class Halves>
-__attribute__((noinline)) void half_angle_row(const Cubics<true>& profile, const Halves& halves,
+template <class Source>
+__attribute__((noinline)) void half_angle_row(const Cubics<true>& profile, const Source& half_vectors,
                                               const float* const light[3], const HalfAngleRow& row,
                                               Lanes out[3]) {
     const Cubics<true> u = profile;
     Lanes sum[3] = {};
-    sum_weighted([&](int j) { return half_angle<false>(u, halves, nullptr, j, row); }, light, n, sum);
+    sum_weighted([&](int j) { return half_angle<false>(u, half_vectors, nullptr, j, row); }, light, n, sum);
     std::copy_n(sum, 3, out);
 }
 
@@ -71,18 +71,18 @@ int main() {
             for (const Lanes& part : sum) all += part;
         }
     });
-    const auto half_angle_seconds = [&](const auto& halves) {
+    const auto half_angle_seconds = [&](const auto& half_vectors) {
         return least_seconds([&] {
             for (int k = 0; k < repeats; ++k) {
-                half_angle_row(profile, halves, light, {{0.5f, 0.5f, 0.5f}, 1.0f, 0.5f}, sum);
+                half_angle_row(profile, half_vectors, light, {{0.5f, 0.5f, 0.5f}, 1.0f, 0.5f}, sum);
                 for (const Lanes& part : sum) all += part;
             }
         });
     };
     const float* half = rows.data() + 4 * n;
-    const double found =
-        half_angle_seconds(FoundHalves{half, half + n, 0.5f, 0.5f, {0.6f, 0.0f, 0.8f}, 9.0f});
-    const double tabulated = half_angle_seconds(TabulatedHalves{half, half + n, half + 2 * n});
+    const double computed =
+        half_angle_seconds(ComputedHalfVectors{half, half + n, 0.5f, 0.5f, {0.6f, 0.0f, 0.8f}, 9.0f});
+    const double tabulated = half_angle_seconds(TabulatedHalfVectors{half, half + n, half + 2 * n});
     const double fma = least_seconds([&] {
         for (int k = 0; k < repeats; ++k) multiply_adds(x, all * 1e-20f);
     });
@@ -90,7 +90,7 @@ int main() {
     volatile float kept = all[0];
     static_cast<void>(kept);
     const double samples = repeats * static_cast<double>(n);
-    std::printf("%.4g %.4g %.4g %.4g\n", samples * turned * width / n / loop, samples / found,
-                samples / tabulated, 2 * samples * 12 * width / fma);
+    std::printf("%.4g %.4g %.4g %.4g\n", repeats * static_cast<double>(turned * width) / loop,
+                samples / computed, samples / tabulated, 2 * samples * 12 * width / fma);
     return 0;
 }

@@ -18,7 +18,14 @@ from shrm import Environment, brdf
 from shrm.layouts import directions
 from shrm.lobe_integrals import IsotropicIntegral
 from shrm.reference import AngularReflection, integrate, prefilter_angular
-from shrm.reproduce.flops import half_angle_flops, samples_in_caps
+from shrm.reproduce.flops import (
+    FLOPS_OF_SUM,
+    FLOPS_OF_WEIGHT,
+    half_angle_flops,
+    outer_angle,
+    samples,
+    samples_in_caps,
+)
 
 Measured = Callable[..., Any]
 
@@ -26,18 +33,15 @@ HERE = Path(__file__).resolve().parent
 OPTIONS = ["-std=c++20", "-O3", "-march=native", "-mprefer-vector-width=512", "-ffp-contract=fast"]
 VIEW = [0.6, 0.0, 0.8]
 
-# Multiply-adds count two: z, the cubic (3) and the sums (3).
-RADIAL_OPERATIONS = 14
-
 
 class Peak(NamedTuple):
     """Samples per second of the loops and operations per second of multiply-adds alone, on one core.
 
-    The loops are those of radial lobes and of lobes of the half angle, half vectors found or tabulated.
+    The loops are those of radial lobes and of lobes of the half angle, half vectors computed or tabulated.
     """
 
     radial: float
-    found: float
+    computed: float
     tabulated: float
     multiply_adds: float
 
@@ -54,14 +58,6 @@ def peak(tmp_path_factory: pytest.TempPathFactory) -> Peak:
     return Peak(*map(float, done.stdout.split()))
 
 
-def within(angle: float, H: int) -> int:
-    """Pairs of texels of two H x 2 H pictures that lie within an angle of each other."""
-    theta, phi = (np.arange(H) + 0.5) * np.pi / H, np.arange(2 * H) * np.pi / H
-    rows = np.multiply.outer(np.cos(theta), np.cos(theta))[:, :, None]
-    cosine = rows + np.multiply.outer(np.multiply.outer(np.sin(theta), np.sin(theta)), np.cos(phi))
-    return 2 * H * int((cosine >= np.cos(angle)).sum())
-
-
 def timed(
     benchmark: Any, about: dict[str, Any], prepare: Callable[[], AngularReflection], exact: Any, work: str
 ) -> float | None:
@@ -72,12 +68,12 @@ def timed(
 
 
 def state_share(
-    benchmark: Any, samples: float, seconds: float, most: float, operations: float, peak: Peak
+    benchmark: Any, pairs: float, seconds: float, most: float, operations: float, peak: Peak
 ) -> None:
     """Say how many samples a second a thread does, of how many that its loop could."""
-    rate = samples / seconds / threads()
+    rate = pairs / seconds / threads()
     benchmark.extra_info.update(
-        samples=samples,
+        samples=pairs,
         samples_per_second_and_core=rate,
         share=rate / most,
         bound="its instructions",
@@ -104,12 +100,11 @@ def bench_phong_texels(benchmark: Any, about: dict[str, Any], peak: Peak, s: int
     seconds = timed(benchmark, about, prepared, exact, work)
     if seconds is None:
         return
-    # [RH02] appendix D: cos^s has all but .05 of its integral within W
-    samples = within(float(np.arccos(0.05 ** (1 / (s + 1)))), 128)
+    pairs = samples(128, outer_angle(s, 0.05))
     if symmetry:
-        benchmark.extra_info.update(samples=samples)
+        benchmark.extra_info.update(samples=pairs)
     else:
-        state_share(benchmark, samples, seconds, peak.radial, RADIAL_OPERATIONS, peak)
+        state_share(benchmark, pairs, seconds, peak.radial, FLOPS_OF_WEIGHT + FLOPS_OF_SUM, peak)
 
 
 @pytest.mark.benchmark(group="angular")
@@ -136,9 +131,9 @@ def bench_microfacet_texels(
     lobe = IsotropicIntegral(part.center, part.transfer, 0.05, symmetry)
     C = directions("latlong", 128, 256).reshape(-1, 3)
     V = np.tile(VIEW, (len(C), 1))
-    samples = len(C) * samples_in_caps(128, *lobe.caps(lobe.normals(C, V), V))
-    operations = half_angle_flops(1, found=not symmetry)
-    state_share(benchmark, samples, seconds, peak.tabulated if symmetry else peak.found, operations, peak)
+    pairs = len(C) * samples_in_caps(128, *lobe.caps(lobe.normals(C, V), V))
+    operations = half_angle_flops(1, tabulated=symmetry)
+    state_share(benchmark, pairs, seconds, peak.tabulated if symmetry else peak.computed, operations, peak)
 
 
 @pytest.mark.benchmark(group="angular")

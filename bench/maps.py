@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from inputs import FloatArray, coefficients, latlong_directions
 from shrm import _core, brdf, orders
-from shrm.reflection_map import BORDER
+from shrm.rings import BORDER
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,7 @@ def machine(results: Results) -> list[str]:
 
 def beside_the_prototype(results: Results) -> list[str]:
     """Return our kernels beside those of the timing study."""
-    heads = ["work", "study, 1 thread", "ours", "ratio", "study, 2 threads", "ours", "ratio", "ours, 1 / 2"]
+    heads = ["work", "study, 1 thread", "ours", "ratio", "study, 2 threads", "ours", "ratio", "1 by 2"]
     rows = []
     for row in of_group(results, "beside the prototype")[0]["extra_info"]["rows"]:
         line = [row["work"]]
@@ -91,7 +91,7 @@ def fourier(results: Results) -> list[str]:
         "scipy rfft",
         "planar",
         "numpy rfft",
-        "Legendre",
+        "16 columns",
         "analysis",
         "with rfft",
         "error",

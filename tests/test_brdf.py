@@ -6,7 +6,7 @@ from directions import direction, hemisphere, sphere, turned
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import special
-from shrm import brdf
+from shrm import brdf, orders
 
 # One lobe that is grey, and one of three channels whose exponents differ.
 GREY_LOBE = brdf.Lafortune([-1.0], [-1.0], [0.9], [20.0])
@@ -382,7 +382,11 @@ def test_parameters_out_of_range_are_refused_by_name(make, error, text):
 
 
 def test_equal_materials_about_another_centre_are_one():
-    # so that their analysis, which is kept for a material, is found again
+    orders.analysed.cache_clear()
+    for merge in (False, True):
+        for _ in range(2):
+            orders.analysed(brdf.GGX(0.3).recentred("reflection", merge=merge), 8, 2)
+    assert orders.analysed.cache_info()[:2] == (2, 2)  # hits, misses
     assert brdf.GGX(0.3).recentred("reflection") is brdf.GGX(0.3).recentred("reflection")
     assert brdf.GGX(0.3).recentred("reflection") is not brdf.GGX(0.3).recentred("lobe")
     assert brdf.GGX(0.3).recentred("reflection") is not brdf.GGX(0.4).recentred("reflection")

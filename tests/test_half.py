@@ -11,7 +11,7 @@ from light import band_limited_environment
 from shrm import ReflectionMap, _core, brdf, prefilter
 from shrm._core import processor
 from shrm.environment import Environment
-from shrm.reflection_map import empty_halves
+from shrm.rings import empty_halves
 
 ALL_HALVES = np.arange(1 << 16, dtype=np.uint16).view(np.float16)
 
@@ -186,7 +186,7 @@ def test_radiance_of_half_maps(layout):
 @pytest.mark.parametrize(
     ("shape", "layout", "border"), [((12, 4, 3, 30), "cube", 2), ((5, 9, 3, 10), "latlong", 0)]
 )
-def test_rows_of_halves_begin_at_even_addresses(shape, layout, border):
+def test_rows_of_halves_begin_at_multiples_of_16_bytes(shape, layout, border):
     halves = empty_halves(shape, layout)
     assert halves.shape == shape
     rows = halves.ctypes.data + 2 * border + np.arange(np.prod(shape[:3])) * halves.strides[2]

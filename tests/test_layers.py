@@ -27,6 +27,7 @@ PYTHON_ORDER = [
     ["sh"],
     ["brdf_analysis"],
     ["orders"],
+    ["rings"],
     ["reflection_map", "reflection_file"],  # a map's save and load are the file's
     ["explicit"],
     ["radial_table"],
@@ -106,6 +107,7 @@ CORE_WRAPPERS = {
     "sh",
     "lobe_quadrature",
     "brdf_analysis",
+    "rings",
     "reflection_map",
     "explicit",
     "relighting",

@@ -145,6 +145,17 @@ def test_flops_of_shrms_are_those_of_their_transforms() -> None:
     more = flops.shrm_flops(16, 5, 2) - flops.shrm_flops(16, 5, 1)
     assert more == 5 * flops.frequency_flops(16, 7) / 2
     assert flops.view_flops(16, 2) == 2 * 3 * 9 * 512
+    # One degree up and down the circle, by hand: 3 sums of a quarter for each ring, 4 for each pair of rings.
+    assert flops.transform_flops(16, 1) == 2 * 3 * (16 * 3 * 8 + 4 * 8)
+
+
+def test_flops_of_half_angles_are_those_of_their_samples() -> None:
+    assert flops.half_angle_flops(10, tabulated=True) == 10 * (15 + 6)
+    assert flops.half_angle_flops(10, tabulated=False) == 10 * (15 + 6 + 13)
+    # Caps of half the sphere hold half of the texels, whichever way they look.
+    axes = np.eye(3)
+    assert flops.samples_in_caps(16, axes, np.full(3, np.pi / 2)) == pytest.approx(16 * 16, rel=0.07)
+    assert flops.samples_in_caps(16, axes, np.full(3, np.pi)) == 16 * 32
 
 
 def test_truncated_maps_are_those_of_fewer_degrees(light: Environment) -> None:

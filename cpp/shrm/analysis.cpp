@@ -68,11 +68,11 @@ SHRM_KERNEL inline void legendre_product(const float* rows, const float* modes, 
     });
 }
 
-// Pairs of rings that are folded at once: as few as fill whole blocks of rows, to stay in the first cache; of
-// small pictures as many as put their modes in place by whole vectors, which costs more there than a second
-// cache.
+// Pairs of rings that are folded at once: the fewest that fill whole blocks of rows, which stay in the first
+// cache. Of small pictures `lanes` or more, so that modes are put in place by transposing whole vectors: that
+// saves more than leaving the first cache for the second costs.
 int pairs_at_once(int W, int channels) {
-    constexpr int small = 1 << 17;  // bytes
+    constexpr int small = 1 << 17;  // bytes of folded rows, a part of any second cache
     const int few = RingFourier::row_block / 2 / std::gcd(RingFourier::row_block / 2, channels);
     const int many = round_up(lanes, few);
     return many * 2 * channels * W * int(sizeof(float)) <= small ? many : few;

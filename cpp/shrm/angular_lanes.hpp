@@ -45,7 +45,7 @@ SHRM_INLINE Lanes load_once(const float* p) {
     return v;
 }
 
-// A value in all lanes, each of which the compiler takes to be its own.
+// A value in all lanes, hidden from the compiler, which would otherwise compute once what the lanes share.
 SHRM_INLINE Lanes splat(float value) {
     Lanes v = Lanes{} + value;
 #if defined(__x86_64__)
@@ -54,10 +54,11 @@ SHRM_INLINE Lanes splat(float value) {
     return v;
 }
 
-// 1 / sqrt(v), v normal and positive.
+// 1 / sqrt(v) to 3e-7, for v > 0 that is not subnormal.
 SHRM_INLINE Lanes inverse_root(const Lanes& v) {
 #if defined(__AVX512F__)
     // 14 bits, then a step of Newton's: less than a third of the time of a root and a division
+    // (masked by all lanes: g++ 12 warns of the plain one's undefined source)
     const Lanes r = reinterpret_cast<Lanes>(_mm512_maskz_rsqrt14_ps(0xffff, reinterpret_cast<__m512>(v)));
     return r * (1.5f - 0.5f * v * r * r);
 #else
@@ -101,8 +102,8 @@ struct Sum {
     }
 };
 
-// Terms that one lane may sum in single precision: rounding stays near 1e-6 even where they all are of one
-// sign.
+// Terms, but for those of one more row, that one lane may sum in single precision: rounding stays near 1e-6
+// even where they all are of one sign.
 inline constexpr int terms_in_single = 256;
 
 // sum[c] += sum_j weight(j) light[c][j], n of them, a whole group of lanes at a time.

@@ -83,7 +83,9 @@ SHRM_INLINE void sum_arc(const Profile& u, const float* azimuth, const float* co
 }
 
 // The same texels from as many centres as there are lanes, each turned by one texel more than the one before:
-// none of the lanes is idle, however short the arc. Every `apart`-th azimuth belongs to light one further.
+// none of the lanes is idle, however short the arc. All lanes have one angle, and each finds its weight anew:
+// this is the method of every pair; sliding a kernel finds it once. Every `apart`-th azimuth belongs to light
+// one further.
 template <class Profile>
 SHRM_INLINE void sum_turned(const Profile& u, const float* azimuth, int apart, const float* const light[3],
                             int n, const Lanes& ring, const Lanes& span, Lanes sum[3]) {
@@ -102,14 +104,14 @@ struct HalfVectors {
 };
 
 // Half vectors of a row of nodes from a table.
-struct TabulatedHalves {
+struct TabulatedHalfVectors {
     const float *x, *y, *z;
     SHRM_INLINE HalfVectors at(int j) const { return {load(x + j), load(y + j), load(z + j)}; }
 };
 
 // Half vectors of a row of nodes under one view, found anew: 2 FMA for L + V, 2 FMA for its square, its
 // root's inverse, 3 products.
-struct FoundHalves {
+struct ComputedHalfVectors {
     const float *cos_phi, *sin_phi;
     float sin_theta, z;  // z of L + V
     glm::vec3 view;
@@ -133,10 +135,10 @@ struct HalfAngleRow {
 // u(theta_h) where N.L > 0 for a group of lanes from j on; where nothing is cut by the horizon it is not
 // looked at. For each 3 differences, 3 FMA for z, 1 minimum, 1 shift and 4 permutations, 3 FMA for the cubic,
 // then 3 FMA for the sums; the horizon takes 1 FMA, 1 comparison.
-template <bool cut, class Profile, class Halves>
-SHRM_INLINE Lanes half_angle(const Profile& u, const Halves& halves, const float* height, int j,
+template <bool cut, class Profile, class Source>
+SHRM_INLINE Lanes half_angle(const Profile& u, const Source& half_vectors, const float* height, int j,
                              const HalfAngleRow& row) {
-    const HalfVectors h = halves.at(j);
+    const HalfVectors h = half_vectors.at(j);
     const Lanes dx = h.x - row.n.x, dy = h.y - row.n.y, dz = h.z - row.n.z;
     const Lanes weight = u.anywhere(dz * dz + (dy * dy + (dx * dx + 1.0f)));
     if constexpr (!cut) return weight;

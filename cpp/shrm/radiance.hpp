@@ -19,7 +19,7 @@ inline constexpr int cube_border = 2;
 struct ReflectionMapView {
     MapLayout layout;
     int H, W;   // of the rings: cube maps include their borders
-    int pitch;  // values from one row of W to the next; more than W where rows begin at even addresses
+    int pitch;  // values from one row of W to the next; more than W where rows begin at multiples of 16 bytes
     int P;
     bool zonal;  // P + 1 maps of a series in Y_p0(angle between C and V), else (P+1)^2 in Y_pq(V)
     std::span<const float> rings;

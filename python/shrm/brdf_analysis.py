@@ -197,7 +197,8 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     low = P <= 3 and L <= 32 and lobe.center != "normal"
     # Beyond P, for the energy of all azimuths, which order selection needs
     Q = min(L, max(P, 8 if low else 24))
-    # g holds more orders than P; the table of the lobe centre is smooth in pieces, which takes 54 views
+    # g holds more orders than P. The table of the lobe centre is smooth in pieces only: from 54 views on,
+    # more of them change nothing above 1e-5.
     views = max(54, 12 + (6 * P + L) // 3)
     found = _projected(lobe, L, P, Q, views, K=20 if low else 32, least=8)
     if found.quadrature_error > _ROUGH:

@@ -23,7 +23,7 @@ from shrm.brdf import BRDF
 from shrm.brdf.lobe import RadialLobe, ZonalLobe
 from shrm.environment import Environment
 from shrm.orders import Orders, ToleranceWarning, choose
-from shrm.reflection_map import Layout
+from shrm.rings import Layout
 
 ANGULAR_SHARE = 0.75
 """Of a wanted error, what may be cut from a lobe's integral: the error of the maps is up to 1.3 of it."""

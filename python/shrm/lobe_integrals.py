@@ -53,7 +53,8 @@ def is_radial(lobe: Any) -> bool:
 def lobe_integral(lobe: Any, tolerance: float, center: str | None, share: bool) -> LobeIntegral:
     """Tabulate a lobe of any kind; `center` replaces an isotropic lobe's own.
 
-    Queries of one view `share` their half vectors, if the lobe needs no more than those.
+    With `share`, queries that have the first one's view read their half vectors from one table (lobes of the
+    half angle alone).
     """
     if lobe.center == "tangent":
         return ZonalIntegral(lobe.profile, tolerance)

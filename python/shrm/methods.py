@@ -12,7 +12,8 @@ from shrm.environment import Environment
 from shrm.orders import F_MAX, P_MAX, Criterion, require_orders, require_tolerance
 from shrm.prefiltering import Window
 from shrm.reference import DEFAULT_SIZE, AngularReflection, prefilter_angular
-from shrm.reflection_map import Layout, ReflectionMap
+from shrm.reflection_map import ReflectionMap
+from shrm.rings import Layout
 from shrm.validation import one_of, whole_number
 
 Method = Literal["frequency", "angular", "auto"]

@@ -36,7 +36,8 @@ from shrm.orders import (
     require_orders,
     require_tolerance,
 )
-from shrm.reflection_map import Layout, Part, ReflectionMap
+from shrm.reflection_map import Part, ReflectionMap
+from shrm.rings import Layout
 from shrm.validation import one_of, whole_number
 
 FloatArray = npt.NDArray[np.float64]

@@ -186,7 +186,8 @@ def prefilter_angular(
     symmetry : bool
         Whether work is shared where it is the same: for lat-long maps of radial lobes, the weights of the
         texels are found once for each row of the map and slid along it; for lobes of the half angle, the half
-        vectors are found once for the pixels that have one view. False finds angle and lobe anew for every
+        vectors are found once for the pixels that have one view, where there are enough of them and the table
+        fits a cache. False finds angle and lobe anew for every
         pair of a pixel and a texel, which is the prefiltering that [RH02] section 7.4 compares with. The
         maps are the same.
 

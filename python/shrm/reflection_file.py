@@ -27,7 +27,8 @@ import numpy.typing as npt
 from shrm import image_io
 from shrm.brdf.lobe import Center
 from shrm.image_io import ImageError
-from shrm.reflection_map import BORDER, Layout, Part, ReflectionMap, require_maps, synthesised
+from shrm.reflection_map import Part, ReflectionMap, require_maps
+from shrm.rings import BORDER, Layout, synthesised
 
 FloatArray = npt.NDArray[np.float64]
 

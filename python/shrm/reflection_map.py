@@ -28,16 +28,12 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.brdf.lobe import Center
+from shrm.rings import BORDER, Float16Array, Float32Array, Layout, halved, synthesised
 from shrm.sh import basis_size, degree_of
 from shrm.validation import one_of, require_array, unit_vectors
 
 FloatArray = npt.NDArray[np.float64]
-Float16Array = npt.NDArray[np.float16]
-Float32Array = npt.NDArray[np.float32]
-Layout = Literal["latlong", "cube"]
 Interpolation = Literal["cubic", "bilinear"]
-
-BORDER: int = _core.CUBE_BORDER
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,11 +203,7 @@ class Part:
         """
         if self.rings.dtype == np.float16:
             return self
-        rings = self.rings.astype(np.float32, copy=False)
-        require_half_range(rings)
-        halves = empty_halves(rings.shape, self.layout)
-        _core.to_half(rings, halves)
-        return replace(self, rings=halves)
+        return replace(self, rings=halved(self.rings.astype(np.float32, copy=False), self.layout))
 
     def resized(self, size: int, layout: Layout) -> Part:
         """Return the same lobe on another grid, made from its coefficients.
@@ -219,36 +211,6 @@ class Part:
         `size` is the rows of a lat-long map, or of a cube's face.
         """
         return replace(self, layout=layout, rings=synthesised(self.coefficients, size, layout))
-
-
-def empty_halves(shape: tuple[int, ...], layout: Layout) -> Float16Array:
-    """Memory for half maps (H, maps, 3, W): every row that is shown begins at a multiple of 16 bytes.
-
-    So no eight of them lie across two lines of a cache, which would slow the sum for a view by a tenth.
-    """
-    W = shape[-1]
-    pitch, line = -(-W // 8) * 8, 32
-    flat = np.empty(shape[0] * shape[1] * shape[2] * pitch + line, dtype=np.float16)
-    first = (-flat.ctypes.data // 2 - (BORDER if layout == "cube" else 0)) % line
-    return flat[first : first + len(flat) - line].reshape(*shape[:-1], pitch)[..., :W]
-
-
-def require_half_range(rings: Float32Array) -> None:
-    """Raise ValueError if maps hold values that half floats do not reach."""
-    largest = _core.largest_magnitude(rings)
-    if largest > float(np.finfo(np.float16).max):
-        raise ValueError(f"half floats end at 65504, and the maps reach {largest:.3g}: use half=False")
-
-
-def synthesised(coefficients: FloatArray, size: int, layout: Layout) -> Float32Array:
-    """Rings (H, maps, 3, W) of a `Part` from the coefficients of its maps, ((J+1)^2, maps, 3)."""
-    count, maps = coefficients.shape[:2]
-    columns = np.ascontiguousarray(coefficients.reshape(count, maps * 3))
-    if layout == "latlong":
-        rings = _core.synthesis(coefficients=columns, H=size, W=2 * size)
-        return np.asarray(rings).reshape(size, maps, 3, 2 * size)
-    rings = _core.cube_synthesis(coefficients=columns, N=size)
-    return np.asarray(rings).reshape(len(rings), maps, 3, size + 2 * BORDER)
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,15 +24,8 @@ from shrm.brdf_analysis import LobeAnalysis
 from shrm.environment import Environment
 from shrm.orders import F_MAX, P_MAX, Criterion, analysed, analysis_degree
 from shrm.prefiltering import Window, predicted_error, prefilter, windowed
-from shrm.reflection_map import (
-    Float16Array,
-    Float32Array,
-    Layout,
-    Part,
-    ReflectionMap,
-    empty_halves,
-    require_half_range,
-)
+from shrm.reflection_map import Part, ReflectionMap
+from shrm.rings import Float16Array, Float32Array, Layout, empty_halves, require_half_range
 from shrm.validation import rotation as checked_rotation
 
 FloatArray = npt.NDArray[np.float64]

@@ -184,6 +184,8 @@ class BRDF(ABC):
 
     `a + b` is the material that reflects what both reflect; `0.5 * a` and `(1, 0.5, 0.2) * a`
     scale it, per channel where three numbers are given. Factors are at least 0.
+
+    Materials are hashable and do not change: what is computed for one is kept, and found for its equals.
     """
 
     # So that numpy's scalars and arrays leave `factor * material` to `__rmul__`.

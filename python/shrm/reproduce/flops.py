@@ -77,9 +77,9 @@ def view_flops(H: int, P: int) -> float:
     return 2 * CHANNELS * (P + 1) ** 2 * (2 * H * H)
 
 
-def half_angle_flops(samples: float, found: bool) -> float:
-    """Count the flops of integrating a lobe of the half angle, the half vectors found anew or tabulated."""
-    return samples * (FLOPS_OF_SUM + FLOPS_OF_HALF_ANGLE + (FLOPS_OF_HALF_VECTOR if found else 0))
+def half_angle_flops(samples: float, tabulated: bool) -> float:
+    """Count the flops of integrating a lobe of the half angle, half vectors tabulated or computed anew."""
+    return samples * (FLOPS_OF_SUM + FLOPS_OF_HALF_ANGLE + (0 if tabulated else FLOPS_OF_HALF_VECTOR))
 
 
 def samples_in_caps(H: int, axes: npt.NDArray[np.float64], outer: npt.NDArray[np.float64]) -> float:

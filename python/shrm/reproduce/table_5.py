@@ -107,7 +107,7 @@ def row_of(row: dict[str, Any], size: int, peak: float) -> list[Cell]:
     sigma = row["sigma"]
     a, b, shrm, frequency, papers_shrm, papers_frequency, one_shot = row["seconds"]
     F, P, angular_paper, map_paper, frequency_paper, shrm_paper = PAPER[sigma]
-    flops_a, flops_b = (flops.half_angle_flops(row["samples"], found) for found in (True, False))
+    flops_a, flops_b = (flops.half_angle_flops(row["samples"], known) for known in (False, True))
     flops_shrm = flops.shrm_flops(size, *row["orders"])
     flops_frequency = flops_shrm + T * T * flops.view_flops(size, row["orders"][1])
     return [

@@ -10,8 +10,9 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from shrm.reflection_map import BORDER, Float32Array, Part
+from shrm.reflection_map import Part
 from shrm.render.camera import FloatArray
+from shrm.rings import BORDER, Float32Array
 
 CENTERS = {"reflection": 0, "normal": 1, "tangent": 2, "lobe": 3}
 

@@ -12,9 +12,10 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from shrm.reflection_map import BORDER, ReflectionMap
+from shrm.reflection_map import ReflectionMap
 from shrm.render.camera import FloatArray
 from shrm.render.picture import FloatPixels, Lighting, Object, Picture
+from shrm.rings import BORDER
 from shrm.validation import whole_number
 from shrm.viewer.context import Context, offscreen
 from shrm.viewer.geometry import Geometry, clip_from_world
