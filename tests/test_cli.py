@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from shrm import demo, layouts
-from shrm.cli import COMMANDS
+from shrm.cli import COMMANDS, main
 from shrm.cli.options import LAYOUTS
 from shrm.environment import Environment
 from shrm.image_io import ImageWarning, read_image, write_image
@@ -227,3 +227,48 @@ def test_the_demos_measure_is_that_of_the_prediction(monkeypatch: pytest.MonkeyP
     ]
     cap = 1.0 - np.cos(np.radians(10.0))  # of the sphere: cap / 2
     assert measured(lambda R, cosine: R @ toward > 1.0 - cap) == pytest.approx((cap / 2) ** 0.5, rel=0.05)
+
+
+def test_the_gpu_draws_what_the_cpu_draws(tmp_path):
+    pictures = []
+    for gpu in ([], ["--gpu"]):
+        path = tmp_path / f"{len(gpu)}.exr"
+        row = ["--brdf", "ggx:0.4", "--brdf", "lambert:0.8", "--orders", "8,3", "--samples", "2"]
+        assert main(["render", *row, *gpu, "--size", "64x32", "-o", str(path)]) == 0
+        pictures.append(read_image(path).pixels)
+    assert np.linalg.norm(pictures[1] - pictures[0]) < 5e-3 * np.linalg.norm(pictures[0])
+
+
+@pytest.mark.parametrize("gpu", [[], ["--gpu"]], ids=["cpu", "gpu"])
+@pytest.mark.parametrize("what", ["light", "camera"])
+def test_a_turntable_goes_once_round(tmp_path, capsys, gpu, what):
+    size = ["--size", "32x24", "--samples", "1", "--orders", "6,2"]
+    frames = ["--turntable", what, "--frames", "4", "-o", str(tmp_path / "spin.exr")]
+    assert main(["render", "--brdf", "ggx:0.5", *gpu, *size, *frames]) == 0
+    assert "spin-000.exr to spin-003.exr: 32 x 24" in capsys.readouterr().out
+    pictures = [read_image(tmp_path / f"spin-00{k}.exr").pixels for k in range(4)]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [f"spin-00{k}.exr" for k in range(4)]
+    assert all(np.abs(picture - pictures[0]).max() > 0.01 for picture in pictures[1:])
+    # A quarter of the way the camera looks where --view of as much has it look; light that has turned by a
+    # quarter is what a camera sees that has turned back by as much.
+    azimuth = 90 if what == "camera" else -90
+    path = tmp_path / "view.exr"
+    assert main(["render", "--brdf", "ggx:0.5", *gpu, *size, f"--view={azimuth},10", "-o", str(path)]) == 0
+    found = read_image(path).pixels
+    assert np.abs(pictures[1] - found).max() < 2e-3 * found.max()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--frames", "3"], "--frames is for a --turntable"),
+        (["--gpu", "--method", "angular"], "--gpu draws reflection maps"),
+        (["--turntable", "--method", "angular"], "turns reflection maps that it makes"),
+    ],
+)
+def test_what_does_not_go_together_is_said(arguments, said, capsys, tmp_path):
+    with pytest.raises(SystemExit) as stopped:
+        main(["render", "--brdf", "ggx:0.5", *arguments, "-o", str(tmp_path / "x.png")])
+    assert stopped.value.code == 2
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

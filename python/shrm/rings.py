@@ -2,8 +2,8 @@
 
     rings (H, maps, 3, W), float32 or float16
 
-so that synthesis writes whole rows, and the sum for a view streams the maps of a ring. A cube's 6 (N + 4) rows
-of N + 4 texels give each face a border of two texels in its own plane.
+so that synthesis writes whole rows, and the sum for a view streams the maps of a ring. The 6 (N + 4) rows of
+a cube, of N + 4 texels, give each face a border of two texels in its own plane.
 """
 
 from __future__ import annotations

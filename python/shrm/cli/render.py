@@ -2,12 +2,15 @@
 
 Every --brdf, and every --map that `shrm prefilter` saved, adds an object to a row. A .png is
 multiplied by 2^exposure, clipped at white and encoded by the sRGB curve; an .exr is linear. There
-are no shadows and no interreflection.
+are no shadows and no interreflection. With --gpu OpenGL draws the same picture, with or without a
+display.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from shrm.cli.console import progress
@@ -26,9 +29,10 @@ from shrm.cli.options import (
 
 if TYPE_CHECKING:
     from shrm.brdf import BRDF
-    from shrm.environment import Environment
     from shrm.reflection_map import ReflectionMap
-    from shrm.render import Reflection
+    from shrm.relighting import Prefilter
+    from shrm.render import Picture, Reflection
+    from shrm.viewer import Renderer
 
 EXAMPLE = "shrm render --env grace.hdr --brdf lambert:0.8 --brdf ggx:0.1 --mesh bunny.ply -o bunnies.png"
 
@@ -92,6 +96,15 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         const="distant",
         help="one view vector for the whole picture",
     )
+    add("--gpu", action="store_true", help="draw with OpenGL; needs no display")
+    add(
+        "--turntable",
+        nargs="?",
+        const="light",
+        choices=("light", "camera"),
+        help="turn the light (default) or the camera once round the vertical, in --frames numbered pictures",
+    )
+    add("--frames", type=whole, metavar="N", help="pictures of a turntable (default 120)")
     add("--background", action=argparse.BooleanOptionalAction, default=True, help="show the environment")
     add("--exposure", type=number, metavar="STOPS", help="for .png (default: from the picture)")
     add("--samples", type=whole, default=3, metavar="N", help="NxN rays per pixel (default 3)")
@@ -100,40 +113,124 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Prefilter each material, draw, write."""
-    from shrm import image_io
-    from shrm.brdf import BRDF
-    from shrm.render import Mesh, Object, Sphere, render, row_camera, row_picture, write_picture
-
     if options.row is None:
         raise argparse.ArgumentError(None, "needs a --brdf or a --map")
+    if options.gpu and options.method == "angular":
+        raise argparse.ArgumentError(None, "--gpu draws reflection maps: it cannot go with --method angular")
+    if options.frames is not None and options.turntable is None:
+        raise argparse.ArgumentError(None, "--frames is for a --turntable")
+    if options.turntable == "light" and (
+        options.method == "angular" or any(kind == "map" for kind, _ in options.row)
+    ):
+        raise argparse.ArgumentError(
+            None, "a --turntable of the light turns reflection maps that it makes: it needs a --brdf for each"
+        )
+    from shrm.render import numbered, write_picture
+
     row = [saved(text) if kind == "map" else parse_brdf(text) for kind, text in options.row]
-    env = read_environment(options)
-    mesh = None if options.mesh is None else Mesh.read(options.mesh, up=options.up)
-    texture = None if options.texture is None else image_io.read_image(options.texture).pixels
+    stage = Stage(row, options)
+    frames = 1 if options.turntable is None else options.frames or FRAMES
+    exposure, first = options.exposure, options.output
+    with progress("Drawing" if frames == 1 else f"Drawing {frames} pictures") as report:
+        for frame in range(frames):
+            picture = stage.draw(360.0 * frame / frames, report if frames == 1 else None)
+            path = options.output if frames == 1 else numbered(options.output, frame, frames)
+            used = write_picture(path, picture, exposure, alpha=not options.background)
+            if frame == 0:  # all have the exposure of the first
+                first, exposure = path, used
+            report((frame + 1) / frames)
+    said = "linear" if exposure is None else f"exposure {exposure:+.2f}"
+    names = str(first) if frames == 1 else f"{first} to {path.name}"
+    print(f"{names}: {stage.width} x {stage.height}, {said}")
 
-    width, height = options.size or row_picture(len(row), diameter=320)
-    azimuth, elevation = options.view
-    camera, centers = row_camera(len(row), width / height, azimuth, elevation, options.fov)
-    objects = []
-    for material, center in zip(row, centers, strict=True):
-        reflection = prefiltered(env, material, options) if isinstance(material, BRDF) else material
-        shape = Sphere(center) if mesh is None else mesh.placed(center, turn=options.turn)
-        objects.append(Object(shape, reflection, texture))
 
-    with progress("Drawing") as report:
-        picture = render(
+class Stage:
+    """Objects in a row, their light and the camera, as the options have them."""
+
+    def __init__(self, row: list[BRDF | ReflectionMap], options: argparse.Namespace) -> None:
+        from shrm import image_io
+        from shrm.render import Mesh, Sphere, row_camera, row_picture
+
+        self.options = options
+        self.env = read_environment(options)
+        mesh = None if options.mesh is None else Mesh.read(options.mesh, up=options.up)
+        self.texture = None if options.texture is None else image_io.read_image(options.texture).pixels
+        extent: tuple[int, int] = options.size or row_picture(len(row), diameter=320)
+        self.width, self.height = extent
+        azimuth, elevation = options.view
+        self.camera, centers = row_camera(len(row), self.width / self.height, azimuth, elevation, options.fov)
+        self.shapes = [
+            Sphere(center) if mesh is None else mesh.placed(center, turn=options.turn) for center in centers
+        ]
+        self.materials = [self._prefiltered(material) for material in row]
+
+    def _prefiltered(self, material: BRDF | ReflectionMap) -> Prefilter | Reflection:
+        """Prefilter by the method that the options name, so that the light can be turned if it is to be."""
+        from shrm.brdf import BRDF
+        from shrm.prefiltering import prefilter
+        from shrm.reference import prefilter_angular
+        from shrm.relighting import Prefilter
+
+        if not isinstance(material, BRDF):
+            return material
+        options = self.options
+        with progress(f"Prefiltering with {material.name}"):
+            if options.method == "angular":
+                return prefilter_angular(self.env, material)
+            make = Prefilter if options.turntable == "light" else prefilter
+            return make(
+                self.env,
+                material,
+                tolerance=options.tolerance,
+                orders=options.orders,
+                layout="cube" if options.gpu else "latlong",
+                size=GPU_MAP_SIZE if options.gpu else None,
+            )
+
+    def draw(self, degrees: float, report: Callable[[float], None] | None) -> Picture:
+        """Draw with the light or the camera turned, as the turntable has it."""
+        from shrm.relighting import Prefilter
+        from shrm.render import Object, about_vertical, render, turned_camera
+
+        options, camera = self.options, self.camera
+        rotation = about_vertical(degrees if options.turntable == "light" else 0.0)
+        if options.turntable == "camera":
+            camera = turned_camera(camera, degrees)
+        maps = [
+            material.update(rotation=rotation) if isinstance(material, Prefilter) else material
+            for material in self.materials
+        ]
+        objects = [Object(shape, each, self.texture) for shape, each in zip(self.shapes, maps, strict=True)]
+        background = self.env if options.background else None
+        if options.gpu:
+            from shrm.viewer import Scene
+
+            return self._renderer.render(Scene(objects, camera, background, options.viewer, rotation))
+        if background is not None and options.turntable == "light":
+            background = background.rotated(rotation)
+        return render(
             objects,
             camera,
-            width,
-            height,
-            background=env if options.background else None,
+            self.width,
+            self.height,
+            background=background,
             viewer=options.viewer,
             samples=options.samples,
             progress=report,
         )
-    exposure = write_picture(options.output, picture, options.exposure, alpha=not options.background)
-    said = "linear" if exposure is None else f"exposure {exposure:+.2f}"
-    print(f"{options.output}: {width} x {height}, {said}")
+
+    @cached_property
+    def _renderer(self) -> Renderer:
+        from shrm.viewer import Renderer
+
+        return Renderer((self.width, self.height), samples=self.options.samples, map_size=GPU_MAP_SIZE)
+
+
+FRAMES = 120
+"""Pictures of a turntable."""
+
+GPU_MAP_SIZE = 128
+"""Edge of a face: look-ups on the GPU are bilinear, and want finer maps than cubic ones."""
 
 
 def saved(path: str) -> ReflectionMap:
@@ -141,15 +238,3 @@ def saved(path: str) -> ReflectionMap:
     from shrm.reflection_map import ReflectionMap
 
     return ReflectionMap.load(path)
-
-
-def prefiltered(env: Environment, brdf: BRDF, options: argparse.Namespace) -> Reflection:
-    """Prefilter by the method that the options name."""
-    with progress(f"Prefiltering with {brdf.name}"):
-        if options.method == "angular":
-            from shrm.reference import prefilter_angular
-
-            return prefilter_angular(env, brdf)
-        from shrm.prefiltering import prefilter
-
-        return prefilter(env, brdf, tolerance=options.tolerance, orders=options.orders)

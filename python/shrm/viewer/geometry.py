@@ -23,13 +23,7 @@ BOX_FACES = np.array(
 
 
 class Geometry:
-    """A shape's vertices on the GPU.
-
-    Raises
-    ------
-    TypeError
-        If the shape is neither a `shrm.render.Mesh` nor a `shrm.render.Sphere`.
-    """
+    """The vertices of a mesh or a sphere on the GPU."""
 
     def __init__(self, gl: moderngl.Context, shape: Shape) -> None:
         self._gl = gl
@@ -39,12 +33,11 @@ class Geometry:
             uv = np.zeros((len(shape.vertices), 2)) if shape.uv is None else shape.uv
             vertices, faces = np.concatenate([shape.vertices, shape.vertex_normals, uv], axis=1), shape.faces
             self._attributes = {"position": 3, "normal": 3, "uv": 2}
-        elif isinstance(shape, Sphere):
+        else:
+            assert isinstance(shape, Sphere)
             vertices, faces = BOX, BOX_FACES
             self._attributes = {"position": 3}
             self.sphere = (*shape.center, shape.radius)
-        else:
-            raise TypeError(f"a shape must be a Mesh or a Sphere to be drawn, got {type(shape).__name__}")
         self._vertices = gl.buffer(vertices.astype(np.float32).tobytes())
         self._faces = gl.buffer(faces.astype(np.int32).tobytes())
         self._arrays: dict[int, moderngl.VertexArray] = {}
@@ -70,10 +63,17 @@ class Geometry:
 
 
 def bounds(shape: Shape) -> tuple[FloatArray, float]:
-    """Centre (3,) and radius of a ball that holds a mesh or a sphere."""
+    """Centre (3,) and radius of a ball that holds a mesh or a sphere.
+
+    Raises
+    ------
+    TypeError
+        If the shape is neither.
+    """
     if isinstance(shape, Sphere):
         return np.asarray(shape.center, np.float64), shape.radius
-    assert isinstance(shape, Mesh)
+    if not isinstance(shape, Mesh):
+        raise TypeError(f"a shape must be a Mesh or a Sphere to be drawn, got {type(shape).__name__}")
     low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
     return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
 

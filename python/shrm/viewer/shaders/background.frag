@@ -19,7 +19,7 @@ void main() {
     vec2 at = ndc - shift;
     vec3 d = light_from_world * normalize(forward + at.x * right + at.y * up);
     vec2 size = vec2(textureSize(environment, 0));
-    float row = acos(clamp(d.z, -1.0, 1.0)) / pi * size.y;
+    float row = atan(length(d.xy), d.z) / pi * size.y;  // OpenGL's acos is good to three digits only
     vec2 uv = vec2(0.5 - atan(d.y, d.x) / (2.0 * pi), clamp(row, 0.5, size.y - 0.5) / size.y);
     vec3 light = textureLod(environment, uv, 0.0).rgb;
     // From the centres of the first row to the pole is half a texel; the pole itself is the row's mean.

@@ -18,7 +18,7 @@ bool find_surface(out Surface surface) {
     surface.normal = inside ? -outward : outward;
     surface.towards_eye = -ray;
     surface.uv = vec2(0.5 + atan(outward.y, outward.x) / (2.0 * pi),
-                      1.0 - acos(clamp(outward.z, -1.0, 1.0)) / pi);
+                      1.0 - atan(length(outward.xy), outward.z) / pi);
     vec4 clip = clip_from_world * vec4(sphere.xyz + sphere.w * outward, 1.0);
     gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
     return true;

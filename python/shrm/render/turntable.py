@@ -1,0 +1,29 @@
+"""Turntables: the light or the camera goes once round the vertical, a picture for each step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from shrm.render.camera import Camera, FloatArray
+
+
+def about_vertical(degrees: float) -> FloatArray:
+    """The rotation (3, 3) about +z that carries +x towards +y."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def turned_camera(camera: Camera, degrees: float) -> Camera:
+    """The camera carried round its target."""
+    target = np.asarray(camera.target, np.float64)
+    x, y, z = target + about_vertical(degrees) @ (np.asarray(camera.position, np.float64) - target)
+    return replace(camera, position=(float(x), float(y), float(z)))
+
+
+def numbered(path: Path, frame: int, frames: int) -> Path:
+    """Name of a frame, such as spin-007.png: as many digits as the last one needs."""
+    digits = max(3, len(str(frames - 1)))
+    return path.with_name(f"{path.stem}-{frame:0{digits}d}{path.suffix}")
