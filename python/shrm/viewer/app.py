@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
 import glfw
 
-from shrm.environment import Environment
-from shrm.render.mesh import Mesh
 from shrm.render.output import write_picture
 from shrm.render.picture import Object
-from shrm.render.row import row_camera
-from shrm.render.shapes import Shape, Sphere
 from shrm.render.tonemap import automatic_exposure
+from shrm.viewer.comparison import Comparison
 from shrm.viewer.geometry import bounds
-from shrm.viewer.integration import Integrated, Integration, Question
+from shrm.viewer.integration import Question
 from shrm.viewer.lighting import Lighting, Prefiltered, Request
 from shrm.viewer.orbit import Orbit, turned_light
 from shrm.viewer.panel import WIDTH, Action, Facts, Panel, draw_keys
@@ -88,14 +85,11 @@ class Application:
         self.controls = Controls(self.window)
         self.panel = Panel()
         self.lighting: Worker[Request, Prefiltered] = Worker(Lighting(), glfw.post_empty_event)
-        self.integration: Worker[Question, Integrated] = Worker(Integration(), glfw.post_empty_event)
+        self.comparison = Comparison(glfw.post_empty_event)
         self.result: Prefiltered | None = None
         self.fault = self.said = ""
         self._asked: Request | None = None
-        self._question: _Key | None = None
-        self._integrated: tuple[_Key, Integrated] | None = None
-        self._shapes: tuple[Shape, ...] = ()
-        self._drawn: tuple[_Key, Environment | None] | None = None
+        self._drawn: tuple[object, ...] = ()
         self._expose = self._fit = False
         self._frame_seconds = 0.0
         self._cursor = (0.0, 0.0)
@@ -116,9 +110,9 @@ class Application:
         while not glfw.window_should_close(self.window):
             self.frame()
             self._lively = max(0, self._lively - 1)
-            if self._lively or self.lighting.busy or self.integration.busy:
+            if self._lively:
                 glfw.poll_events()
-            else:
+            else:  # until something happens, or a worker has something
                 glfw.wait_events_timeout(1.0)
 
     def frame(self) -> None:
@@ -144,7 +138,7 @@ class Application:
     def close(self) -> None:
         """End the workers, free what is on the GPU, close the window."""
         self.lighting.close()
-        self.integration.close()
+        self.comparison.worker.close()
         self.context.activate()
         self.controls.close()
         self.screen.release()
@@ -174,8 +168,8 @@ class Application:
         if last is None or _source(last) != _source(result):
             self._expose = True
             self.said = self.fault = ""
-        if last is None or last.mesh is not result.mesh or len(last.maps) != len(result.maps):
-            self._shapes = _placed(result.mesh, len(result.maps))
+        self._lively = 3
+        if last is None or last.shapes is not result.shapes:
             self._fit = last is not None or self.state.eye is None
 
     def _go_back(self, request: Request) -> None:
@@ -204,14 +198,14 @@ class Application:
         self.screen.resize(width, height)
         if self._fit:
             eye = self.state.eye or Orbit()
-            eye = eye.fitted([bounds(shape) for shape in self._shapes], width / height)
+            eye = eye.fitted([bounds(shape) for shape in result.shapes], width / height)
             self.state, self._fit = replace(self.state, eye=eye), False
         assert self.state.eye is not None
-        key = _Key(result.maps, self._shapes, self.state.eye, self.state.viewer, (width, height))
         background = result.environment if self.state.background else None
-        redrawn = (key, background) != self._drawn
+        decides = (result.maps, result.shapes, self.state.eye, self.state.viewer, width, height, background)
+        redrawn = decides != self._drawn
         if redrawn:
-            pairs = zip(self._shapes, result.maps, strict=True)
+            pairs = zip(result.shapes, result.maps, strict=True)
             scene = Scene(
                 [Object(shape, material) for shape, material in pairs],
                 self.state.eye.camera,
@@ -221,8 +215,8 @@ class Application:
             )
             self.renderer.draw(scene, self.screen.drawn)
             self.renderer.resources.end_frame()
-            self._drawn = key, background
-        self._show(key, result)
+            self._drawn = decides
+        self._show(result, (width, height))
         if self._expose and self.state.automatic:
             picture = self.screen.drawn_picture()
             stops = automatic_exposure(picture.radiance, picture.coverage)
@@ -241,7 +235,7 @@ class Application:
                 self._frame_seconds,
                 self.fault,
                 self.said,
-                self._integration_says(),
+                "" if self.state.shown == "maps" else self.comparison.says,
             )
             before = self.state.automatic
             self.state, actions = self.panel.draw(self.state, facts, height)
@@ -253,50 +247,27 @@ class Application:
         for action in actions:
             self.act(action)
 
-    # ---- Direct integration
-
-    def _show(self, key: _Key, result: Prefiltered) -> None:
-        """Choose what is shown of what was drawn; ask for the integral if it is wanted."""
-        if self.state.shown == "maps":
+    def _show(self, result: Prefiltered, extent: tuple[int, int]) -> None:
+        """Choose what is shown of what was drawn."""
+        if self.state.shown == "maps" or self.state.eye is None:
             self.screen.show_drawn()
             return
-        if self._question != key:
-            self._question = key
-            R = replace(self.state, light=result.request.light).R
-            assert self.state.eye is not None
-            question = Question(
-                result.environment,
-                R,
-                result.request.materials,
-                self._shapes,
-                self.state.eye.camera,
-                self.state.viewer,
-                *key.extent,
-            )
-            self.integration.submit(question)
+        request, camera = result.request, self.state.eye.camera
+        question = Question(
+            result.environment,
+            request.light,
+            request.materials,
+            result.shapes,
+            camera,
+            self.state.viewer,
+            *extent,
+        )
         try:
-            integrated = self.integration.take()
+            self.comparison.show(question, self.state.shown == "difference", self.screen)
         except Faults as fault:
             self._say_fault(fault)
-            self.state = replace(self.state, shown="maps")
+            self._set(shown="maps")
             self.screen.show_drawn()
-            return
-        if integrated is not None:
-            self._integrated = key, integrated
-            self.screen.keep_integrated(integrated.picture)
-        if self._integrated is not None and self._integrated[0] == key:
-            self.screen.show_integrated(self.state.shown == "difference")
-        else:
-            self.screen.show_drawn()
-
-    def _integration_says(self) -> str:
-        if self.state.shown == "maps":
-            return ""
-        ready = self._integrated
-        if ready is None or ready[0] != self._question:
-            return "integrating ... (until then: from the maps)"
-        coarseness = ready[1].coarseness
-        return "integrated" if coarseness == 1 else f"integrating ... 1/{coarseness} of the resolution so far"
 
     # ---- What happens in the window
 
@@ -462,23 +433,6 @@ class Application:
         return width - self._panel_pixels(), height
 
 
-@dataclass(frozen=True)
-class _Key:
-    """What decides the picture of the objects; maps and shapes are compared by identity."""
-
-    maps: tuple[object, ...]
-    shapes: tuple[Shape, ...]
-    eye: Orbit
-    viewer: str
-    extent: tuple[int, int]
-
-
-def _source(result: Prefiltered) -> tuple[Environment, tuple[str, ...], Mesh | None]:
+def _source(result: Prefiltered) -> tuple[object, ...]:
     """What the exposure depends on."""
-    return result.environment, result.request.materials, result.mesh
-
-
-def _placed(mesh: Mesh | None, count: int) -> tuple[Shape, ...]:
-    """So many spheres or meshes in a row."""
-    _, centers = row_camera(count, 1.0)
-    return tuple(Sphere(center) if mesh is None else mesh.placed(center) for center in centers)
+    return result.environment, result.request.materials, result.shapes

@@ -20,6 +20,7 @@ from shrm.render.camera import Camera, FloatArray
 from shrm.render.picture import Object, Picture, render
 from shrm.render.shapes import Shape
 from shrm.viewer.scene import Viewer
+from shrm.viewer.state import Rows
 from shrm.viewer.worker import StaleError
 
 Directions = npt.NDArray[np.float32]
@@ -29,15 +30,15 @@ COARSENESS = (8, 4, 2, 1)  # screen pixels across one that is integrated
 AT_ONCE = 256  # points between two questions whether they are still wanted
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Question:
     """A picture to be integrated.
 
     Attributes
     ----------
     environment : Environment
-    R : (3, 3) float64
-        How it is turned.
+    light : 3 x 3 floats
+        How it is turned, see `State`.
     materials : tuple of str
     shapes : tuple of shapes
         One for each material.
@@ -48,7 +49,7 @@ class Question:
     """
 
     environment: Environment
-    R: FloatArray
+    light: Rows
     materials: tuple[str, ...]
     shapes: tuple[Shape, ...]
     camera: Camera
@@ -98,7 +99,7 @@ class Integration:
         objects = []
         for text, shape in zip(question.materials, question.shapes, strict=True):
             reflection = prefilter_angular(self._light, brdf.parse(text), tolerance=0.002)
-            objects.append(Object(shape, _Turned(reflection, question.R, stale)))
+            objects.append(Object(shape, _Turned(reflection, np.asarray(question.light, np.float64), stale)))
         for coarseness in COARSENESS:
             extent = (max(1, side // coarseness) for side in (question.width, question.height))
             picture = render(objects, question.camera, *extent, viewer=question.viewer, samples=1)
@@ -110,7 +111,7 @@ class _Turned:
 
     def __init__(self, reflection: AngularReflection, R: FloatArray, stale: Callable[[], bool]) -> None:
         self._reflection, self._stale = reflection, stale
-        self._light_from_world = np.asarray(R.T, np.float64)
+        self._light_from_world = R.T
 
     def radiance(
         self, normals: Directions, views: Directions, tangents: Directions | None = None

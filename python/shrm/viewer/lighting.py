@@ -21,6 +21,8 @@ from shrm.reflection_map import ReflectionMap
 from shrm.relighting import Prefilter
 from shrm.render.camera import FloatArray
 from shrm.render.mesh import Mesh
+from shrm.render.row import row_camera
+from shrm.render.shapes import Shape, Sphere
 from shrm.viewer.state import Rows, State, Up
 from shrm.viewer.worker import StaleError
 
@@ -72,8 +74,8 @@ class Prefiltered:
     request : Request
     environment : Environment
         Not turned.
-    mesh : Mesh or None
-        As it is in its file.
+    shapes : tuple of shapes
+        Spheres, or copies of the mesh, in a row.
     maps : tuple of ReflectionMap
         One for each material, of the turned light. Nothing writes to them any more.
     seconds : float
@@ -86,7 +88,7 @@ class Prefiltered:
 
     request: Request
     environment: Environment
-    mesh: Mesh | None
+    shapes: tuple[Shape, ...]
     maps: tuple[ReflectionMap, ...]
     seconds: float
     errors: tuple[float, ...] | None
@@ -99,6 +101,7 @@ class Lighting:
     def __init__(self) -> None:
         self._environment: tuple[tuple[str, str | None], Environment, tuple[str, ...]] | None = None
         self._mesh: tuple[tuple[str, Up], Mesh] | None = None
+        self._shapes: tuple[tuple[Mesh | None, int], tuple[Shape, ...]] | None = None
         self._objects: list[_Lit] = []
 
     def __call__(self, request: Request, stale: Callable[[], bool]) -> Iterator[Prefiltered]:
@@ -114,7 +117,7 @@ class Lighting:
         for text in request.materials:
             brdf.parse(text)  # a wrong one is a fault before anything is changed
         environment, notes = self._read_environment(request)
-        mesh = self._read_mesh(request)
+        shapes = self._row(request)
         start = time.perf_counter()
         R = np.asarray(request.light, np.float64)
         del self._objects[len(request.materials) :]
@@ -127,7 +130,7 @@ class Lighting:
             maps.append(self._objects[index].relit(environment, text, request, R))
         seconds = time.perf_counter() - start
         known = [thing.error for thing in self._objects]
-        answer = Prefiltered(request, environment, mesh, tuple(maps), seconds, None, notes)
+        answer = Prefiltered(request, environment, shapes, tuple(maps), seconds, None, notes)
         if None not in known:
             yield replace(answer, errors=tuple(e for e in known if e is not None))
             return
@@ -146,6 +149,22 @@ class Lighting:
             notes = tuple(dict.fromkeys(" ".join(str(item.message).split()) for item in caught))
             self._environment = key, environment, notes
         return self._environment[1:]
+
+    def _row(self, request: Request) -> tuple[Shape, ...]:
+        """Stand the objects in a row; the same ones as long as mesh and number are the same."""
+        mesh, count = self._read_mesh(request), len(request.materials)
+        if self._shapes is None or self._shapes[0] != (mesh, count):
+            _, centers = row_camera(count, 1.0)
+            shapes: tuple[Shape, ...]
+            if mesh is None:
+                shapes = tuple(Sphere(center) for center in centers)
+            else:
+                meshes = tuple(mesh.placed(center) for center in centers)
+                for placed in meshes:
+                    _ = placed.vertex_normals  # found here, so that the window does not wait for them
+                shapes = meshes
+            self._shapes = (mesh, count), shapes
+        return self._shapes[1]
 
     def _read_mesh(self, request: Request) -> Mesh | None:
         if request.mesh is None:

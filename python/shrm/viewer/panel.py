@@ -125,7 +125,10 @@ class Panel:
         state = self._method(state, facts)
         state = self._picture(state, actions)
         self._times(facts)
-        if self._button("Keys and mouse (?)"):
+        imgui.separator_text("Mouse")
+        imgui.text_colored(GREY, "left: orbit   right: turn the light")
+        imgui.text_colored(GREY, "middle: pan   wheel: zoom")
+        if self._button("All keys (?)"):
             actions.append("help")
         imgui.pop_item_width()
         imgui.end()
@@ -255,7 +258,8 @@ class Panel:
             imgui.text_colored(GREY, "prefiltering ...")
             return state
         maps = sum(part.rings.shape[1] for part in mine.parts)
-        imgui.text(f"F = {mine.F}, P = {mine.P}: {maps} maps, 6 x {mine.size} x {mine.size}")
+        word = "map" if maps == 1 else "maps"
+        imgui.text(f"F = {mine.F}, P = {mine.P}: {maps} {word}, 6 x {mine.size} x {mine.size}")
         errors = facts.result.errors
         if errors is None or state.selected >= len(errors):
             imgui.text_colored(GREY, "predicted error: ...")

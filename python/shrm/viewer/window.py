@@ -81,18 +81,20 @@ class Controls:
 
     def __init__(self, window: Any) -> None:
         self._window = window
+        self._platform: Any
         self._context = imgui.create_context()
         imgui.set_current_context(self._context)
         self.io = imgui.get_io()
         self.io.ini_filename = None  # no file of positions in the current folder
         make: Any = controls.GlfwRenderer
-        self._platform: Any = make(window, attach_callbacks=False)
+        self._platform = make(window, attach_callbacks=False)
 
     def begin(self) -> None:
         """Begin a frame."""
         imgui.set_current_context(self._context)
         self._platform.new_frame()
-        imgui.new_frame()
+        new_frame: Any = imgui.new_frame
+        new_frame()
 
     def end(self) -> None:
         """End it; `draw` can follow."""
