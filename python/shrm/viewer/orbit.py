@@ -65,7 +65,10 @@ class Orbit:
 
     def zoomed(self, steps: float) -> Orbit:
         """Return the eye nearer by so many steps of the wheel."""
-        return replace(self, distance=float(np.clip(self.distance * ZOOM**steps, NEAREST, FARTHEST)))
+        return replace(
+            self,
+            distance=float(np.clip(self.distance * ZOOM ** np.clip(steps, -100, 100), NEAREST, FARTHEST)),
+        )
 
     def fitted(self, balls: Sequence[tuple[FloatArray, float]], aspect: float) -> Orbit:
         """Return the eye from where it looks now at such a distance that balls fill the picture.

@@ -20,6 +20,7 @@ from shrm.viewer.state import UNTURNED, Shown, State
 
 WIDTH = 380
 MOST_OBJECTS = 8
+MOST_CHARACTERS = 84  # of a message: two lines
 
 RED, YELLOW, GREY = (1.0, 0.35, 0.3, 1.0), (1.0, 0.8, 0.3, 1.0), (0.62, 0.64, 0.68, 1.0)
 
@@ -137,13 +138,15 @@ class Panel:
     # ---- Sections
 
     def _messages(self, facts: Facts) -> None:
-        result = facts.result
-        if facts.fault:
-            _wrapped(RED, facts.fault)
-        for note in () if result is None else result.notes:
-            _wrapped(YELLOW, note)
-        if facts.said:
-            _wrapped(GREY, facts.said)
+        """Say the most important thing in a place that is always as high: nothing below it moves."""
+        notes = () if facts.result is None else facts.result.notes
+        top, color = imgui.get_cursor_pos_y(), GREY
+        text = "Spherical-harmonic reflection maps: what the light does on a material, in frequency space."
+        for other, message in ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault)):
+            color, text = (other, message) if message else (color, text)
+        _wrapped(color, _shortened(text))
+        _explain(text)
+        imgui.set_cursor_pos_y(top + 2.4 * imgui.get_text_line_height())
 
     def _light(self, state: State) -> State:
         imgui.separator_text("Light")
@@ -154,7 +157,7 @@ class Panel:
         _explain(f"{state.environment}\n'daylight', or a file: type its path and Enter, or drop it here.")
         if entered and text.strip() and text != shown:
             state = replace(state, environment=text.strip(), layout=None)
-        imgui.text_colored(GREY, "drop a .hdr, .exr or .png on the window")
+        imgui.text_colored(GREY, "drop a .hdr, .exr or .png for another")
         if self._button("Daylight"):
             state = replace(state, environment=DAYLIGHT, layout=None)
         imgui.same_line()
@@ -188,7 +191,8 @@ class Panel:
             if self._button("Sphere"):
                 state = replace(state, mesh=None)
         name = "sphere" if state.mesh is None else Path(state.mesh).name
-        imgui.text_colored(GREY, f"shape: {name}; drop a .ply, .obj, .glb or .stl")
+        imgui.text_colored(GREY, f"shape: {name}")
+        imgui.text_colored(GREY, "drop a .ply, .obj, .glb or .stl for another")
         return state
 
     def _material(self, state: State) -> State:
@@ -363,6 +367,13 @@ def draw_keys(left: float, width: float, height: float) -> None:
 def _of(maps: tuple[ReflectionMap, ...], index: int) -> ReflectionMap | None:
     """The map of an object, if it is there yet."""
     return maps[index] if index < len(maps) else None
+
+
+def _shortened(text: str) -> str:
+    """Text without what stands in parentheses at its end, and a path in front of it as a name."""
+    head, colon, rest = text.partition(" (")[0].partition(": ")
+    short = f"{Path(head).name}: {rest}" if colon and "/" in head else head + colon + rest
+    return short if len(short) <= MOST_CHARACTERS else f"{short[: MOST_CHARACTERS - 3]}..."
 
 
 def _wrapped(color: tuple[float, float, float, float], text: str) -> None:

@@ -88,7 +88,11 @@ class State:
             value = getattr(self, name)
             if not isinstance(value, str) and (value is not None or name == "environment"):
                 raise TypeError(f"{name} must be a text, got {value!r}")
-        if not self.materials or not all(isinstance(text, str) for text in self.materials):
+        if self.eye is not None and not isinstance(self.eye, Orbit):
+            raise TypeError(f"eye must be an Orbit, got {self.eye!r}")
+        if not isinstance(self.materials, tuple) or not self.materials:
+            raise ValueError(f"materials must be one text or more, got {self.materials!r}")
+        if not all(isinstance(text, str) for text in self.materials):
             raise ValueError(f"materials must be one text or more, got {self.materials!r}")
         one_of("up", self.up, get_args(Up))
         one_of("viewer", self.viewer, get_args(Viewer))
