@@ -8,6 +8,8 @@ import numpy as np
 from shrm.render.picture import FloatPixels, Picture
 from shrm.viewer.programs import screen_program, set_uniforms
 
+NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
+
 AMPLIFIED = 8.0
 """By how much differences are."""
 
@@ -33,10 +35,10 @@ class Screen:
 
     def _targets(self, width: int, height: int) -> tuple[moderngl.Framebuffer, moderngl.Framebuffer]:
         gl, size = self._gl, (width, height)
-        return (
-            gl.framebuffer([gl.texture(size, 4, dtype="f4")], gl.depth_renderbuffer(size)),
-            gl.framebuffer([gl.texture(size, 4, dtype="f4")]),
-        )
+        pictures = [gl.texture(size, 4, dtype="f4") for _ in range(2)]
+        for picture in pictures:
+            picture.filter = NEAREST
+        return gl.framebuffer([pictures[0]], gl.depth_renderbuffer(size)), gl.framebuffer([pictures[1]])
 
     def resize(self, width: int, height: int) -> None:
         """Take another size."""
@@ -57,12 +59,11 @@ class Screen:
         pixels = np.concatenate([picture.radiance, picture.coverage[..., None]], axis=2)[::-1]
         H, W = pixels.shape[:2]
         content = np.ascontiguousarray(pixels, np.float32)
-        if self._integrated is not None and self._integrated.size == (W, H):
-            self._integrated.write(content)
-            return
         if self._integrated is not None:
             self._integrated.release()
         self._integrated = self._gl.texture((W, H), 4, content, dtype="f4")
+        if self.size == (W, H):
+            self._integrated.filter = NEAREST
         self._integrated.repeat_x = self._integrated.repeat_y = False
 
     def show_drawn(self) -> None:
