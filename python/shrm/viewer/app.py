@@ -21,7 +21,7 @@ from shrm.viewer.orbit import Orbit, turned_light
 from shrm.viewer.panel import WIDTH, Action, Facts, Panel, draw_keys
 from shrm.viewer.renderer import Renderer
 from shrm.viewer.scene import Scene
-from shrm.viewer.screen import Screen
+from shrm.viewer.screen import PLACES, Screen
 from shrm.viewer.state import UNTURNED, State
 from shrm.viewer.window import Controls, listen, open_window
 from shrm.viewer.worker import Worker
@@ -110,7 +110,8 @@ class Application:
         while not glfw.window_should_close(self.window):
             self.frame()
             self._lively = max(0, self._lively - 1)
-            if self._lively:
+            sampling = self.result is not None and self.screen.samples < len(PLACES)
+            if self._lively or sampling:
                 glfw.poll_events()
             else:  # until something happens, or a worker has something
                 glfw.wait_events_timeout(1.0)
@@ -125,13 +126,13 @@ class Application:
         self.context.activate()
         self._take()
         start = time.perf_counter()
-        redrawn = self._draw_picture()
+        sampled = self._draw_picture()
         self._draw_controls()
         if self.result is not None:
             self.screen.display(self.context.gl.screen, self._panel_pixels(), self.state.exposure)
         self.controls.draw()
         self.context.gl.finish()
-        if redrawn:
+        if sampled:
             self._frame_seconds = time.perf_counter() - start
         self._ask()
 
@@ -190,7 +191,7 @@ class Application:
             self._asked = None
 
     def _draw_picture(self) -> bool:
-        """Draw linear radiance, if it would be another than the last; whether it was."""
+        """Draw linear radiance, or a further sample of it until there are enough; whether it was."""
         result = self.result
         width, height = self._picture_extent()
         if result is None or width < 1 or height < 1:
@@ -203,8 +204,10 @@ class Application:
         assert self.state.eye is not None
         background = result.environment if self.state.background else None
         decides = (result.maps, result.shapes, self.state.eye, self.state.viewer, width, height, background)
-        redrawn = decides != self._drawn
-        if redrawn:
+        if decides != self._drawn:
+            self._drawn, self.screen.samples = decides, 0
+        sampled = self.screen.samples < len(PLACES)
+        if sampled:
             pairs = zip(result.shapes, result.maps, strict=True)
             scene = Scene(
                 [Object(shape, material) for shape, material in pairs],
@@ -213,16 +216,16 @@ class Application:
                 self.state.viewer,
                 replace(self.state, light=result.request.light).R,
             )
-            self.renderer.draw(scene, self.screen.drawn)
+            self.renderer.draw(scene, self.screen.drawn, self.screen.shift)
             self.renderer.resources.end_frame()
-            self._drawn = decides
+            self.screen.add_sample()
         self._show(result, (width, height))
         if self._expose and self.state.automatic:
             picture = self.screen.drawn_picture()
             stops = automatic_exposure(picture.radiance, picture.coverage)
             self.state = replace(self.state, exposure=round(stops, 2))
         self._expose = False
-        return redrawn
+        return sampled
 
     def _draw_controls(self) -> None:
         width, height = glfw.get_window_size(self.window)
