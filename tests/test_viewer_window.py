@@ -80,8 +80,11 @@ class Hands:
                 time.sleep(0.005)
         assert GL.glGetError() == 0
 
-    def look(self, *, whole: bool = False) -> Pixels:
-        """What the window shows, (H, W, 3), without the panel."""
+    def look(self, *, whole: bool = False, away: bool = True) -> Pixels:
+        """What the window shows, (H, W, 3), without the panel; `away`: the pointer leaves it first."""
+        if away:  # an explanation of the control under it may lie over the picture
+            self.app.on_cursor(WIDTH + 2.0, 2.0)
+            self.app.draw()
         self.app.draw()
         width, height = glfw.get_framebuffer_size(self.app.window)
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
@@ -215,7 +218,7 @@ def test_a_slider_prefilters_while_it_moves(opened: Opened) -> None:
     for share in (0.0, 0.5, 1.0):
         app.on_cursor(left[0] + share * (right[0] - left[0]), left[1])
         hands.settle()  # the button is still down
-        pictures.append(hands.look())
+        pictures.append(hands.look(away=False))
     app.on_mouse_button(glfw.MOUSE_BUTTON_LEFT, glfw.RELEASE, 0)
     hands.settle()
     assert all(not same(a, b) for a, b in zip([before, *pictures], pictures, strict=False))

@@ -34,7 +34,7 @@ F_MAX, P_MAX = 60, 6
 
 # Edges of the cubes' faces, up to a degree: hardware interpolates linearly, which needs finer maps than
 # the cubic look-ups that `shrm.prefilter` chooses its size for.
-SIZES = ((12, 32), (30, 64), (60, 128), (1000, 256))
+SIZES = ((12, 32), (30, 64), (70, 128), (1000, 256))
 
 
 @dataclass(frozen=True)

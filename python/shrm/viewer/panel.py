@@ -141,7 +141,7 @@ class Panel:
         """Say the most important thing in a place that is always as high: nothing below it moves."""
         notes = () if facts.result is None else facts.result.notes
         top, color = imgui.get_cursor_pos_y(), GREY
-        text = "Spherical-harmonic reflection maps: what the light does on a material, in frequency space."
+        text = "Drop a picture (.hdr, .exr, .png) or a mesh (.ply, .obj, .glb, .stl) here."
         for other, message in ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault)):
             color, text = (other, message) if message else (color, text)
         _wrapped(color, _shortened(text))
@@ -157,7 +157,6 @@ class Panel:
         _explain(f"{state.environment}\n'daylight', or a file: type its path and Enter, or drop it here.")
         if entered and text.strip() and text != shown:
             state = replace(state, environment=text.strip(), layout=None)
-        imgui.text_colored(GREY, "drop a .hdr, .exr or .png for another")
         if self._button("Daylight"):
             state = replace(state, environment=DAYLIGHT, layout=None)
         imgui.same_line()
@@ -192,7 +191,6 @@ class Panel:
                 state = replace(state, mesh=None)
         name = "sphere" if state.mesh is None else Path(state.mesh).name
         imgui.text_colored(GREY, f"shape: {name}")
-        imgui.text_colored(GREY, "drop a .ply, .obj, .glb or .stl for another")
         return state
 
     def _material(self, state: State) -> State:
@@ -323,12 +321,11 @@ class Panel:
 
     def _times(self, facts: Facts) -> None:
         imgui.separator_text("Time")
-        if facts.frame_seconds > 0.0:
-            imgui.text(
-                f"drawing {1e3 * facts.frame_seconds:.1f} ms ({1.0 / facts.frame_seconds:.0f} frames/s)"
-            )
-        seconds = 0.0 if facts.result is None else facts.result.seconds
-        imgui.text(f"prefiltering {1e3 * seconds:.1f} ms" + (" (working ...)" if facts.working else ""))
+        drawing = facts.frame_seconds
+        prefiltering = 0.0 if facts.result is None else facts.result.seconds
+        rate = f" ({1.0 / drawing:.0f} frames/s)" if drawing > 0.0 else ""
+        imgui.text(f"drawing      {1e3 * drawing:6.1f} ms{rate}")
+        imgui.text(f"prefiltering {1e3 * prefiltering:6.1f} ms{' (working ...)' if facts.working else ''}")
 
     # ---- Controls whose places are kept
 
