@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from shrm import brdf
+from shrm.cli import parser, view
 from shrm.viewer.materials import KINDS, kind_of, value_of, with_value
 from shrm.viewer.orbit import Orbit
 from shrm.viewer.state import State
@@ -99,3 +100,25 @@ def test_a_colour_s_channels_are_kept() -> None:
     f0 = KINDS["ggx"].parameters[1]
     gold = with_value(brdf.GGX(0.3), f0, (1.0, 0.71, 0.29))
     assert brdf.parse(gold) == brdf.GGX(0.3, (1.0, 0.71, 0.29))
+
+
+def test_the_command_line_says_otherwise_than_a_saved_window(tmp_path: Path) -> None:
+    path = tmp_path / "state.json"
+    unlike_the_default().save(path)
+
+    def begun(*arguments: str) -> State:
+        return view.state(parser().parse_args(["view", *arguments]))
+
+    assert begun() == State()
+    assert begun("--state", str(tmp_path / "none yet.json")) == State()
+    assert begun("--state", str(path)) == unlike_the_default()
+    changed = begun(
+        "--state", str(path), "--brdf", "phong:8", "--tolerance", "0.2", "--exposure", "1", "--distant"
+    )
+    assert changed.materials == ("phong:8",)
+    assert (changed.selected, changed.eye, changed.orders, changed.tolerance) == (0, None, None, 0.2)
+    assert (changed.exposure, changed.automatic, changed.viewer) == (1.0, False, "distant")
+    assert changed.light == unlike_the_default().light
+    assert begun("sky.hdr", "--mesh", "a.ply", "--up", "z", "--no-background", "--orders", "9,2") == State(
+        environment="sky.hdr", mesh="a.ply", up="z", background=False, orders=(9, 2)
+    )

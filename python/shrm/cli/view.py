@@ -36,8 +36,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--up", choices=("y", "z"), help="the mesh file's upward axis (default y)")
-    add_orders(command)
-    command.set_defaults(tolerance=None)
+    add_orders(command, default=0.1)
+    command.set_defaults(tolerance=None)  # what is not given is as in --state
     viewer = command.add_mutually_exclusive_group()
     viewer.add_argument(
         "--distant",

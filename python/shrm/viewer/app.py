@@ -91,6 +91,7 @@ class Application:
         self._asked: Request | None = None
         self._drawn: tuple[object, ...] = ()
         self._expose = self._fit = False
+        self._keep_eye = True  # a state that was read says where from its objects are seen
         self._frame_seconds = 0.0
         self._cursor = (0.0, 0.0)
         self._drag: Drag | None = None
@@ -128,6 +129,7 @@ class Application:
         start = time.perf_counter()
         sampled = self._draw_picture()
         self._draw_controls()
+        self.context.gl.screen.clear(0.1, 0.1, 0.1)
         if self.result is not None:
             self.screen.display(self.context.gl.screen, self._panel_pixels(), self.state.exposure)
         self.controls.draw()
@@ -167,11 +169,12 @@ class Application:
             return
         last, self.result = self.result, result
         if last is None or _source(last) != _source(result):
-            self._expose = True
-            self.said = self.fault = ""
+            self._expose, self.fault = True, ""
         self._lively = 3
         if last is None or last.shapes is not result.shapes:
-            self._fit = last is not None or self.state.eye is None
+            self._fit = not self._keep_eye
+        if result.request == self._asked:
+            self._keep_eye = False
 
     def _go_back(self, request: Request) -> None:
         """Return to what is drawn; what turned or moved meanwhile stays."""
@@ -197,13 +200,12 @@ class Application:
         if result is None or width < 1 or height < 1:
             return False
         self.screen.resize(width, height)
-        if self._fit:
-            eye = self.state.eye or Orbit()
-            eye = eye.fitted([bounds(shape) for shape in result.shapes], width / height)
+        eye = self.state.eye
+        if self._fit or eye is None:
+            eye = (eye or Orbit()).fitted([bounds(shape) for shape in result.shapes], width / height)
             self.state, self._fit = replace(self.state, eye=eye), False
-        assert self.state.eye is not None
         background = result.environment if self.state.background else None
-        decides = (result.maps, result.shapes, self.state.eye, self.state.viewer, width, height, background)
+        decides = (result.maps, result.shapes, eye, self.state.viewer, width, height, background)
         if decides != self._drawn:
             self._drawn, self.screen.samples = decides, 0
         sampled = self.screen.samples < len(PLACES)
@@ -211,7 +213,7 @@ class Application:
             pairs = zip(result.shapes, result.maps, strict=True)
             scene = Scene(
                 [Object(shape, material) for shape, material in pairs],
-                self.state.eye.camera,
+                eye.camera,
                 background,
                 self.state.viewer,
                 replace(self.state, light=result.request.light).R,
@@ -401,7 +403,7 @@ class Application:
         except Faults as fault:
             self._say_fault(fault)
             return
-        self.state, self.said = state, f"opened {path}"
+        self.state, self.said, self._keep_eye = state, f"opened {path}", True
 
     def _save_picture(self) -> None:
         if self.result is None:
