@@ -285,7 +285,7 @@ def test_pictures_and_meshes_are_dropped(opened: Opened, tmp_path: Path) -> None
     hands.settle()
     assert not same(hands.look(), lit)
     assert app.fault == ""
-    hands.click("Sphere")
+    hands.click("Back to sphere")
     assert same(hands.look(), lit)
 
 

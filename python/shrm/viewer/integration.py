@@ -26,7 +26,7 @@ from shrm.viewer.worker import StaleError
 Directions = npt.NDArray[np.float32]
 
 ROWS = 128  # of the light that is integrated: every pixel visits all of its texels
-COARSENESS = (8, 4, 2, 1)  # screen pixels across one that is integrated
+COARSENESS = (16, 8, 4, 2, 1)  # screen pixels across one that is integrated
 AT_ONCE = 256  # points between two questions whether they are still wanted
 
 

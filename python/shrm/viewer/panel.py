@@ -12,6 +12,7 @@ from slimgui import imgui
 
 from shrm import brdf
 from shrm.reflection_map import ReflectionMap
+from shrm.viewer.integration import ROWS
 from shrm.viewer.lighting import DAYLIGHT, F_MAX, P_MAX, Prefiltered
 from shrm.viewer.materials import KINDS, kind_of, value_of, with_value
 from shrm.viewer.scene import Viewer
@@ -61,7 +62,8 @@ SHOWN: tuple[tuple[Shown, str, str], ...] = (
     (
         "integration",
         "direct integration (eq. 10)",
-        "The same picture by summing over the light in every pixel, coarse first, in the background.",
+        f"The same picture by summing over the light, averaged to {2 * ROWS} x {ROWS} texels, in every pixel;"
+        " in the background, coarse first.",
     ),
     ("difference", f"difference of both, x{AMPLIFIED:g}", "Absolute, on objects; black is none."),
 )
@@ -187,7 +189,7 @@ class Panel:
                 state = replace(state, materials=left, selected=min(state.selected, len(left) - 1))
         imgui.same_line()
         with _disabled(state.mesh is None):
-            if self._button("Sphere"):
+            if self._button("Back to sphere"):
                 state = replace(state, mesh=None)
         name = "sphere" if state.mesh is None else Path(state.mesh).name
         imgui.text_colored(GREY, f"shape: {name}")
