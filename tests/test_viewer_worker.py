@@ -133,6 +133,9 @@ def test_other_objects_keep_their_maps_and_errors_come_second(sky: Path) -> None
     assert len(second.errors) == len(second.shapes) == 2
     (again,) = lighting(asked(sky, materials=("lambert:0.5", "phong:8")), never)
     assert again.errors == second.errors
+    assert again.maps == second.maps
+    other = last(lighting(asked(sky, materials=("lambert:0.5", "phong:9")), never))
+    assert [a is b for a, b in zip(other.maps, second.maps, strict=True)] == [True, False]
 
 
 def test_prefiltering_stops_when_it_is_stale(sky: Path) -> None:

@@ -184,6 +184,7 @@ class _Lit:
         self._text = ""
         self._accuracy: object = None
         self._R: FloatArray = np.eye(3)
+        self._map: ReflectionMap | None = None  # given away last
         self.error: float | None = None
 
     def relit(self, environment: Environment, text: str, request: Request, R: FloatArray) -> ReflectionMap:
@@ -192,7 +193,10 @@ class _Lit:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ToleranceWarning)  # the panel says it
             same_light = self._prefilter is not None and environment is self._environment
-            if not same_light or accuracy != self._accuracy or text != self._text:
+            same = same_light and accuracy == self._accuracy and text == self._text
+            if self._map is not None and same and np.array_equal(R, self._R):
+                return self._map
+            if not same:
                 self._renew(environment, brdf.parse(text), request, same_light and accuracy == self._accuracy)
                 self.error = None
             assert self._prefilter is not None
@@ -201,7 +205,9 @@ class _Lit:
         self._environment, self._text, self._accuracy, self._R = environment, text, accuracy, R
         relit = self._prefilter.map
         # The next update overwrites these maps, and the window may still draw them.
-        return replace(relit, parts=tuple(replace(part, rings=part.rings.copy()) for part in relit.parts))
+        parts = tuple(replace(part, rings=part.rings.copy()) for part in relit.parts)
+        self._map = replace(relit, parts=parts)
+        return self._map
 
     def _renew(
         self, environment: Environment, material: brdf.BRDF, request: Request, only_material: bool
