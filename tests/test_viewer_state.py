@@ -120,5 +120,9 @@ def test_the_command_line_says_otherwise_than_a_saved_window(tmp_path: Path) -> 
     assert (changed.exposure, changed.automatic, changed.viewer) == (1.0, False, "distant")
     assert changed.light == unlike_the_default().light
     assert begun("sky.hdr", "--mesh", "a.ply", "--up", "z", "--no-background", "--orders", "9,2") == State(
-        environment="sky.hdr", mesh="a.ply", up="z", background=False, orders=(9, 2)
+        environment=str(Path("sky.hdr").absolute()),
+        mesh=str(Path("a.ply").absolute()),
+        up="z",
+        background=False,
+        orders=(9, 2),
     )

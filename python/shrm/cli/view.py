@@ -90,10 +90,10 @@ def state(options: argparse.Namespace) -> State:
     for text in options.materials or ():
         parse_brdf(text)
     given = {
-        "environment": options.env,
+        "environment": options.env if options.env in (None, "daylight") else absolute(options.env),
         "layout": options.layout,
         "materials": None if options.materials is None else tuple(options.materials),
-        "mesh": options.mesh,
+        "mesh": None if options.mesh is None else absolute(options.mesh),
         "up": options.up,
         "tolerance": options.tolerance,
         "orders": options.orders,
@@ -109,3 +109,10 @@ def state(options: argparse.Namespace) -> State:
     if options.tolerance is not None:
         changes["orders"] = None
     return replace(first, **changes)
+
+
+def absolute(path: str) -> str:
+    """Return a path that a saved window finds from any folder."""
+    from pathlib import Path
+
+    return str(Path(path).absolute())

@@ -27,7 +27,7 @@ FORMAT = "shrm view 1"
 
 @dataclass(frozen=True)
 class State:
-    """What a session of the window is: a file of it brings the picture back.
+    """What the window shows and how; a file of it brings the picture back.
 
     Attributes
     ----------
@@ -42,8 +42,9 @@ class State:
     up : {"y", "z"}
         The mesh file's upward axis.
     tolerance : float
-        Chooses the orders, if there are no
+        Relative RMS error wanted of the reflected light; chooses the orders.
     orders : (F, P), optional
+        The orders themselves, in place of a tolerance.
     viewer : {"distant", "near"}
         One dynamic map per frame [RH02 eq. 12], or all maps summed in every pixel [RH02 eq. 6, 7].
     shown : {"maps", "integration", "difference"}
@@ -57,7 +58,7 @@ class State:
     light : 3 x 3 floats
         How the light is turned, L'(w) = L(R^T w).
     eye : Orbit, optional
-        Where from; without one, so that everything is in the picture.
+        Where it is seen from; without one, so that everything is in the picture.
     selected : int
         The object whose material the panel shows.
 
