@@ -158,7 +158,9 @@ class Panel:
         self._place("environment")
         _explain(f"{state.environment}\n'daylight', or a file: type its path and Enter, or drop it here.")
         if entered and text.strip() and text != shown:
-            state = replace(state, environment=text.strip(), layout=None)
+            typed = text.strip()
+            path = typed if typed == DAYLIGHT else str(Path(typed).expanduser().absolute())
+            state = replace(state, environment=path, layout=None)
         if self._button("Daylight"):
             state = replace(state, environment=DAYLIGHT, layout=None)
         imgui.same_line()
