@@ -144,10 +144,10 @@ class Panel:
         notes = () if facts.result is None else facts.result.notes
         top, color = imgui.get_cursor_pos_y(), GREY
         text = "Drop a picture (.hdr, .exr, .png) or a mesh (.ply, .obj, .glb, .stl) here."
-        for other, message in ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, _shortened(facts.fault))):
+        for other, message in ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault)):
             color, text = (other, message) if message else (color, text)
-        _wrapped(color, text)
-        _explain(facts.fault or text)
+        _wrapped(color, text if color == GREY and not facts.said else _shortened(text))
+        _explain(text)
         imgui.set_cursor_pos_y(top + 2.4 * imgui.get_text_line_height())
 
     def _light(self, state: State) -> State:
