@@ -10,10 +10,10 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from shrm.cli import convert, demo, info, prefilter, render, reproduce
+from shrm.cli import convert, demo, info, prefilter, render, reproduce, view
 from shrm.cli.console import one_line, warnings_as_lines
 
-COMMANDS = (demo, info, convert, prefilter, render, reproduce)
+COMMANDS = (demo, info, convert, prefilter, render, view, reproduce)
 
 
 class Parser(argparse.ArgumentParser):

@@ -62,15 +62,15 @@ def read_environment(options: argparse.Namespace) -> Environment:
     return Environment.read(options.env, layout=options.env_layout, repair=options.repair)
 
 
-def add_orders(command: argparse.ArgumentParser) -> None:
-    """Add --tolerance or --orders."""
+def add_orders(command: argparse.ArgumentParser, default: float = 0.05) -> None:
+    """Add --tolerance, by default `default`, or --orders."""
     either = command.add_mutually_exclusive_group()
     either.add_argument(
         "--tolerance",
         type=tolerance,
-        default=0.05,
+        default=default,
         metavar="T",
-        help="relative RMS error of the reflected light that chooses the orders (default 0.05)",
+        help=f"relative RMS error of the reflected light that chooses the orders (default {default:g})",
     )
     either.add_argument("--orders", type=orders, metavar="F,P", help="the orders themselves, such as 30,4")
 

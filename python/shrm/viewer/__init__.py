@@ -1,6 +1,7 @@
-"""Real time: the renderer on the GPU.
+"""Real time: the renderer on the GPU, and the interactive window.
 
 context -> geometry, maps, programs, resources -> scene -> renderer
+orbit -> state -> worker -> lighting, integration -> screen, comparison -> materials, panel -> window -> app
 """
 
 from shrm.viewer.context import Context, ContextError, offscreen

@@ -1,0 +1,118 @@
+"""Look at spheres or a mesh in a window, and change light, material and view while looking.
+
+Every --brdf adds an object to a row. Drag with the left button to orbit, with the right one to turn
+the light; ? lists all keys. Pictures, meshes and saved windows can be dropped on the window.
+"""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from shrm.cli.options import LAYOUTS, add_orders, extent, number, parse_brdf
+
+if TYPE_CHECKING:
+    from shrm.viewer.state import State
+
+EXAMPLE = "shrm view grace.hdr --brdf ggx:0.3,1.0/0.71/0.29 --mesh bunny.ply"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add = command.add_argument
+    add(
+        "env",
+        metavar="ENV",
+        nargs="?",
+        help="environment map (.hdr, .exr, .png, ...), or 'daylight' (default)",
+    )
+    add("--layout", choices=LAYOUTS, metavar="L", help=f"layout of the file: {', '.join(LAYOUTS)}")
+    add(
+        "--brdf",
+        dest="materials",
+        action="append",
+        metavar="B",
+        help="material; repeat for a row of objects (default: gold)",
+    )
+    add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
+    add("--up", choices=("y", "z"), help="the mesh file's upward axis (default y)")
+    add_orders(command, default=0.1)
+    command.set_defaults(tolerance=None)  # what is not given is as in --state
+    viewer = command.add_mutually_exclusive_group()
+    viewer.add_argument(
+        "--distant",
+        dest="viewer",
+        action="store_const",
+        const="distant",
+        help="one view vector for the whole picture: a dynamic map per frame (default)",
+    )
+    viewer.add_argument(
+        "--near",
+        dest="viewer",
+        action="store_const",
+        const="near",
+        help="each pixel has its own view vector and sums all maps",
+    )
+    add("--exposure", type=number, metavar="STOPS", help="(default: from the picture)")
+    add(
+        "--background",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="show the environment (default)",
+    )
+    add("--state", metavar="FILE", help="a saved window (.json) to go on from; Ctrl+S saves to it")
+    add("--size", type=extent, default=(1280, 860), metavar="WxH", help="of the window (default 1280x860)")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Open the window, and draw until it is closed."""
+    from pathlib import Path
+
+    first = state(options)
+    from shrm.viewer.app import Application
+
+    application = Application(first, *options.size, state_file=options.state and Path(options.state))
+    try:
+        application.run()
+    finally:
+        application.close()
+
+
+def state(options: argparse.Namespace) -> State:
+    """Return what the window begins with: a saved one, with what the command line says otherwise."""
+    from dataclasses import replace
+    from pathlib import Path
+
+    from shrm.viewer.state import State
+
+    saved = options.state is not None and Path(options.state).exists()
+    first = State.load(options.state) if saved else State()
+    for text in options.materials or ():
+        parse_brdf(text)
+    given = {
+        "environment": options.env if options.env in (None, "daylight") else absolute(options.env),
+        "layout": options.layout,
+        "materials": None if options.materials is None else tuple(options.materials),
+        "mesh": None if options.mesh is None else absolute(options.mesh),
+        "up": options.up,
+        "tolerance": options.tolerance,
+        "orders": options.orders,
+        "viewer": options.viewer,
+        "background": options.background,
+        "exposure": options.exposure,
+        "automatic": None if options.exposure is None else False,
+        "selected": None if options.materials is None else 0,
+    }
+    changes = {name: value for name, value in given.items() if value is not None}
+    if options.materials is not None or options.mesh is not None:  # other objects are fitted anew
+        changes["eye"] = None
+    if options.tolerance is not None:
+        changes["orders"] = None
+    return replace(first, **changes)
+
+
+def absolute(path: str) -> str:
+    """Return a path that a saved window finds from any folder."""
+    from pathlib import Path
+
+    return str(Path(path).absolute())

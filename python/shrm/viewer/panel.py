@@ -1,0 +1,395 @@
+"""The panel beside the picture: what is shown, how well, how fast; and the list of keys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+from slimgui import imgui
+
+from shrm import brdf
+from shrm.reflection_map import ReflectionMap
+from shrm.viewer.integration import ROWS
+from shrm.viewer.lighting import DAYLIGHT, F_MAX, P_MAX, Prefiltered
+from shrm.viewer.materials import KINDS, kind_of, value_of, with_value
+from shrm.viewer.scene import Viewer
+from shrm.viewer.screen import AMPLIFIED
+from shrm.viewer.state import UNTURNED, Shown, State
+
+WIDTH = 380
+MOST_OBJECTS = 8
+MOST_CHARACTERS = 84  # of a message: two lines
+
+RED, YELLOW, GREY = (1.0, 0.35, 0.3, 1.0), (1.0, 0.8, 0.3, 1.0), (0.62, 0.64, 0.68, 1.0)
+
+Action = Literal["fit", "screenshot", "save", "open", "help"]
+
+KEYS = (
+    ("left drag", "orbit around the objects"),
+    ("right drag", "turn the light (its coefficients are rotated)"),
+    ("middle drag, Shift + left drag", "pan"),
+    ("wheel", "zoom"),
+    ("drop a file", "environment picture, mesh, or saved window (.json)"),
+    ("F", "fit the objects into the picture"),
+    ("R", "turn the light back"),
+    ("E", "exposure from the picture, always"),
+    ("B", "environment behind the objects on or off"),
+    ("1  2  3", "reflection maps, direct integration, difference"),
+    ("Tab", "panel on or off"),
+    ("S", "screenshot: .png as shown, .exr linear"),
+    ("Ctrl + S, Ctrl + O", "save the window's state, open it again"),
+    ("?", "this list on or off"),
+    ("Esc, Q", "quit"),
+)
+
+VIEWERS: tuple[tuple[Viewer, str, str], ...] = (
+    (
+        "distant",
+        "one dynamic map per frame (eq. 12)",
+        "The viewer is far away: all maps are summed for one view vector, and each pixel is one look-up.",
+    ),
+    (
+        "near",
+        "summed per pixel (eq. 6, 7)",
+        "Each pixel has a view vector of its own and sums all maps for it.",
+    ),
+)
+SHOWN: tuple[tuple[Shown, str, str], ...] = (
+    ("maps", "reflection maps", "Frequency space: what this program is about."),
+    (
+        "integration",
+        "direct integration (eq. 10)",
+        f"The same picture by summing over the light, averaged to {2 * ROWS} x {ROWS} texels, in every pixel;"
+        " in the background, coarse first.",
+    ),
+    ("difference", f"difference of both, x{AMPLIFIED:g}", "Absolute, on objects; black is none."),
+)
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What the panel reports.
+
+    Attributes
+    ----------
+    result : Prefiltered or None
+        What is drawn.
+    working : bool
+        Whether newer maps are on their way.
+    frame_seconds : float
+        What a frame took to draw.
+    fault, said : str
+        What went wrong last, and what was done last; empty if nothing.
+    integrated : str
+        How far the integration is; empty if none is asked for.
+    """
+
+    result: Prefiltered | None
+    working: bool
+    frame_seconds: float
+    fault: str
+    said: str
+    integrated: str
+
+
+class Panel:
+    """Draws the panel, and says what was changed in it.
+
+    Attributes
+    ----------
+    places : dict of str to (x, y, x, y)
+        Corners of each control of the last frame, in the window's units.
+    """
+
+    def __init__(self) -> None:
+        self.places: dict[str, tuple[float, float, float, float]] = {}
+        imgui.style_colors_dark()
+        style = imgui.get_style()
+        style.font_scale_main = 1.15
+        style.window_rounding, style.frame_rounding, style.window_border_size = 0.0, 3.0, 0.0
+
+    def draw(self, state: State, facts: Facts, height: float) -> tuple[State, list[Action]]:
+        """Draw it along the left side of a window; return the state as changed, and what was asked for."""
+        self.places.clear()
+        actions: list[Action] = []
+        flags = imgui.WindowFlags
+        imgui.set_next_window_pos((0.0, 0.0))
+        imgui.set_next_window_size((WIDTH, height))
+        fixed = flags.NO_TITLE_BAR | flags.NO_RESIZE | flags.NO_MOVE | flags.NO_SAVED_SETTINGS
+        imgui.begin("shrm", flags=fixed)
+        imgui.push_item_width(-125.0)
+        self._messages(facts)
+        state = self._light(state)
+        state = self._objects(state)
+        state = self._accuracy(state, facts)
+        state = self._method(state, facts)
+        state = self._picture(state, actions)
+        self._times(facts)
+        imgui.separator_text("Mouse")
+        imgui.text_colored(GREY, "left: orbit   right: turn the light")
+        imgui.text_colored(GREY, "middle: pan   wheel: zoom")
+        if self._button("All keys (?)"):
+            actions.append("help")
+        imgui.pop_item_width()
+        imgui.end()
+        return state, actions
+
+    # ---- Sections
+
+    def _messages(self, facts: Facts) -> None:
+        """Say the most important thing in a place that is always as high: nothing below it moves."""
+        notes = () if facts.result is None else facts.result.notes
+        top, color = imgui.get_cursor_pos_y(), GREY
+        text = "Drop a picture (.hdr, .exr, .png) or a mesh (.ply, .obj, .glb, .stl) here."
+        for other, message in ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault)):
+            color, text = (other, message) if message else (color, text)
+        _wrapped(color, text if color == GREY and not facts.said else _shortened(text))
+        _explain(text)
+        imgui.set_cursor_pos_y(top + 2.4 * imgui.get_text_line_height())
+
+    def _light(self, state: State) -> State:
+        imgui.separator_text("Light")
+        flag = imgui.InputTextFlags.ENTER_RETURNS_TRUE
+        shown = state.environment if state.environment == DAYLIGHT else Path(state.environment).name
+        entered, text = imgui.input_text("environment", shown, flag)
+        self._place("environment")
+        _explain(f"{state.environment}\n'daylight', or a file: type its path and Enter, or drop it here.")
+        if entered and text.strip() and text != shown:
+            typed = text.strip()
+            path = typed if typed == DAYLIGHT else str(Path(typed).expanduser().absolute())
+            state = replace(state, environment=path, layout=None)
+        if self._button("Daylight"):
+            state = replace(state, environment=DAYLIGHT, layout=None)
+        imgui.same_line()
+        with _disabled(state.light == UNTURNED):
+            if self._button("Turn light back (R)"):
+                state = replace(state, light=UNTURNED)
+        return state
+
+    def _objects(self, state: State) -> State:
+        count = len(state.materials)
+        imgui.separator_text("Object" if count == 1 else f"Object {state.selected + 1} of {count}")
+        if count > 1:
+            for index in range(count):
+                if index:
+                    imgui.same_line()
+                if imgui.radio_button(f"{index + 1}##object", index == state.selected):
+                    state = replace(state, selected=index)
+                self._place(f"object {index + 1}")
+        state = self._material(state)
+        with _disabled(count == MOST_OBJECTS):
+            if self._button("Add object"):
+                text = state.materials[state.selected]
+                state = replace(state, materials=(*state.materials, text), selected=count)
+        imgui.same_line()
+        with _disabled(count == 1):
+            if self._button("Remove"):
+                left = state.materials[: state.selected] + state.materials[state.selected + 1 :]
+                state = replace(state, materials=left, selected=min(state.selected, len(left) - 1))
+        imgui.same_line()
+        with _disabled(state.mesh is None):
+            if self._button("Back to sphere"):
+                state = replace(state, mesh=None)
+        name = "sphere" if state.mesh is None else Path(state.mesh).name
+        imgui.text_colored(GREY, f"shape: {name}")
+        return state
+
+    def _material(self, state: State) -> State:
+        text = state.materials[state.selected]
+        try:
+            material = brdf.parse(text)
+        except (ValueError, OSError):  # it is said above, and the last good one comes back
+            return state
+        kind = kind_of(material)
+        names = list(KINDS)
+        labels = [KINDS[name].label for name in names] + ([] if kind else ["as in the text below"])
+        current = names.index(kind) if kind else len(names)
+        changed, chosen = imgui.combo("material", current, labels)
+        self._place("material")
+        if changed and chosen < len(names):
+            return state.with_material(state.selected, brdf.parse(KINDS[names[chosen]].example).name)
+        for parameter in KINDS[kind].parameters if kind else ():
+            value = value_of(material, parameter)
+            if isinstance(value, tuple):
+                changed, new = imgui.color_edit3(parameter.label, value, imgui.ColorEditFlags.FLOAT)
+                value = new
+            else:
+                scale = imgui.SliderFlags.LOGARITHMIC if parameter.logarithmic else imgui.SliderFlags.NONE
+                changed, value = imgui.slider_float(
+                    parameter.label, value, parameter.low, parameter.high, "%.3g", scale
+                )
+            self._place(parameter.name)
+            if changed:
+                state = state.with_material(state.selected, with_value(material, parameter, value))
+        flag = imgui.InputTextFlags.ENTER_RETURNS_TRUE
+        entered, typed = imgui.input_text("as text", text, flag)
+        self._place("as text")
+        _explain("As on the command line, such as 0.5*lambert:0.8 + ggx:0.2; Enter takes it.")
+        if entered and typed.strip() and typed != text:
+            state = state.with_material(state.selected, typed.strip())
+        return state
+
+    def _accuracy(self, state: State, facts: Facts) -> State:
+        imgui.separator_text("Accuracy")
+        if self._radio("error wanted", state.orders is None):
+            state = replace(state, orders=None)
+        imgui.same_line()
+        mine = None if facts.result is None else _of(facts.result.maps, state.selected)
+        if self._radio("orders F, P", state.orders is not None) and state.orders is None:
+            state = replace(state, orders=(12, 2) if mine is None else (mine.F, mine.P))
+        if state.orders is None:
+            flags = imgui.SliderFlags.LOGARITHMIC | imgui.SliderFlags.CLAMP_ON_INPUT
+            changed, percent = imgui.slider_float(
+                "tolerance", 100.0 * state.tolerance, 1.0, 50.0, "%.1f %%", flags
+            )
+            self._place("tolerance")
+            _explain("Relative RMS of the reflected light; it chooses F and P.")
+            if changed:
+                state = replace(state, tolerance=round(percent / 100.0, 4))
+        else:
+            F, P = state.orders
+            clamp = imgui.SliderFlags.CLAMP_ON_INPUT
+            _, F = imgui.slider_int("F", F, 0, F_MAX, "%d", clamp)
+            self._place("F")
+            _explain("Largest degree of the light: how sharp reflections are.")
+            _, P = imgui.slider_int("P", P, 0, P_MAX, "%d", clamp)
+            self._place("P")
+            _explain("Largest order of the view: how well they change with it.")
+            if state.orders != (F, P):
+                state = replace(state, orders=(F, P))
+        if mine is None or facts.result is None:
+            imgui.text_colored(GREY, "prefiltering ...")
+            return state
+        maps = sum(part.rings.shape[1] for part in mine.parts)
+        word = "map" if maps == 1 else "maps"
+        imgui.text(f"F = {mine.F}, P = {mine.P}: {maps} {word}, 6 x {mine.size} x {mine.size}")
+        errors = facts.result.errors
+        if errors is None or state.selected >= len(errors):
+            imgui.text_colored(GREY, "predicted error: ...")
+            return state
+        error = errors[state.selected]
+        missed = state.orders is None and error > 1.01 * state.tolerance
+        text = f"predicted error: {100.0 * error:.2g} %"
+        if missed:
+            _wrapped(YELLOW, f"{text}; this window stops at F = {F_MAX}, P = {P_MAX}")
+        else:
+            imgui.text(text)
+        return state
+
+    def _method(self, state: State, facts: Facts) -> State:
+        imgui.separator_text("Method")
+        for viewer, label, meaning in VIEWERS:
+            if self._radio(label, state.viewer == viewer):
+                state = replace(state, viewer=viewer)
+            _explain(meaning)
+        imgui.separator_text("Shown")
+        for shown, label, meaning in SHOWN:
+            if self._radio(label, state.shown == shown):
+                state = replace(state, shown=shown)
+            _explain(meaning)
+        if facts.integrated:
+            imgui.text_colored(GREY, facts.integrated)
+        return state
+
+    def _picture(self, state: State, actions: list[Action]) -> State:
+        imgui.separator_text("Picture")
+        changed, stops = imgui.slider_float("exposure", state.exposure, -12.0, 12.0, "%+.2f stops")
+        self._place("exposure")
+        if changed:
+            state = replace(state, exposure=stops, automatic=False)
+        changed, automatic = imgui.checkbox("auto (E)", state.automatic)
+        self._place("auto")
+        _explain("Found again when light, material or mesh change; see shrm.render.automatic_exposure.")
+        if changed:
+            state = replace(state, automatic=automatic)
+        imgui.same_line()
+        changed, background = imgui.checkbox("background (B)", state.background)
+        self._place("background")
+        if changed:
+            state = replace(state, background=background)
+        buttons: tuple[tuple[Action, str], ...] = (
+            ("fit", "Fit (F)"),
+            ("screenshot", "Screenshot (S)"),
+            ("save", "Save"),
+            ("open", "Open"),
+        )
+        for index, (action, label) in enumerate(buttons):
+            if index:
+                imgui.same_line()
+            if self._button(label):
+                actions.append(action)
+        return state
+
+    def _times(self, facts: Facts) -> None:
+        imgui.separator_text("Time")
+        drawing = facts.frame_seconds
+        prefiltering = 0.0 if facts.result is None else facts.result.seconds
+        rate = f" ({1.0 / drawing:.0f} frames/s)" if drawing > 0.0 else ""
+        imgui.text(f"drawing      {1e3 * drawing:6.1f} ms{rate}")
+        imgui.text(f"prefiltering {1e3 * prefiltering:6.1f} ms{' (working ...)' if facts.working else ''}")
+
+    # ---- Controls whose places are kept
+
+    def _place(self, name: str) -> None:
+        self.places[name] = (*imgui.get_item_rect_min(), *imgui.get_item_rect_max())
+
+    def _button(self, label: str) -> bool:
+        pressed = imgui.button(label)
+        self._place(label)
+        return pressed
+
+    def _radio(self, label: str, active: bool) -> bool:
+        pressed = imgui.radio_button(label, active)
+        self._place(label)
+        return pressed
+
+
+def draw_keys(left: float, width: float, height: float) -> None:
+    """Draw the list of keys over the middle of the picture, which begins at `left`."""
+    flags = imgui.WindowFlags
+    imgui.set_next_window_pos((left + 0.5 * width, 0.5 * height), pivot=(0.5, 0.5))
+    imgui.set_next_window_bg_alpha(0.9)
+    kind = flags.NO_TITLE_BAR | flags.ALWAYS_AUTO_RESIZE | flags.NO_MOVE | flags.NO_SAVED_SETTINGS
+    imgui.begin("keys", flags=kind | flags.NO_MOUSE_INPUTS | flags.NO_FOCUS_ON_APPEARING)
+    if imgui.begin_table("keys", 2, imgui.TableFlags.SIZING_FIXED_FIT):
+        for key, meaning in KEYS:
+            imgui.table_next_row()
+            imgui.table_next_column()
+            imgui.text_colored(YELLOW, key)
+            imgui.table_next_column()
+            imgui.text(meaning)
+        imgui.end_table()
+    imgui.end()
+
+
+def _of(maps: tuple[ReflectionMap, ...], index: int) -> ReflectionMap | None:
+    """The map of an object, if it is there yet."""
+    return maps[index] if index < len(maps) else None
+
+
+def _shortened(text: str) -> str:
+    """Text without what stands in parentheses at its end, and a path in front of it as a name."""
+    head, colon, rest = text.partition(" (")[0].partition(": ")
+    short = f"{Path(head).name}: {rest}" if colon and "/" in head else head + colon + rest
+    return short if len(short) <= MOST_CHARACTERS else f"{short[: MOST_CHARACTERS - 3]}..."
+
+
+def _wrapped(color: tuple[float, float, float, float], text: str) -> None:
+    imgui.push_style_color(imgui.Col.TEXT, color)
+    imgui.text_wrapped(text)
+    imgui.pop_style_color()
+
+
+def _explain(text: str) -> None:
+    if imgui.is_item_hovered(imgui.HoveredFlags.DELAY_NORMAL):
+        imgui.set_tooltip(text)
+
+
+@contextmanager
+def _disabled(disabled: bool) -> Iterator[None]:
+    imgui.begin_disabled(disabled)
+    yield
+    imgui.end_disabled()

@@ -1,0 +1,176 @@
+"""Everything that the window shows, and its file."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from shrm.orders import require_orders, require_tolerance
+from shrm.render.camera import FloatArray
+from shrm.validation import one_of, rotation
+from shrm.viewer.orbit import Orbit
+from shrm.viewer.scene import Viewer
+
+Shown = Literal["maps", "integration", "difference"]
+Up = Literal["y", "z"]
+Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+
+UNTURNED: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+GOLD = "ggx(alpha=0.3,f0=1/0.71/0.29)"
+FORMAT = "shrm view 1"
+
+
+@dataclass(frozen=True)
+class State:
+    """What the window shows and how; a file of it brings the picture back.
+
+    Attributes
+    ----------
+    environment : str
+        A picture's path, or "daylight".
+    layout : str, optional
+        The picture's layout, if it is not the one recognised.
+    materials : tuple of str
+        One for each object, as `shrm.brdf.parse` reads them.
+    mesh : str, optional
+        A mesh's path; spheres without one.
+    up : {"y", "z"}
+        The mesh file's upward axis.
+    tolerance : float
+        Relative RMS error wanted of the reflected light; chooses the orders.
+    orders : (F, P), optional
+        The orders themselves, in place of a tolerance.
+    viewer : {"distant", "near"}
+        One dynamic map per frame [RH02 eq. 12], or all maps summed in every pixel [RH02 eq. 6, 7].
+    shown : {"maps", "integration", "difference"}
+        The picture from reflection maps, by direct integration, or the absolute difference of both.
+    automatic : bool
+        Whether the exposure is found from the picture when light, material or mesh change.
+    exposure : float
+        In stops.
+    background : bool
+        Whether the environment is seen behind the objects.
+    light : 3 x 3 floats
+        How the light is turned, L'(w) = L(R^T w).
+    eye : Orbit, optional
+        Where it is seen from; without one, so that everything is in the picture.
+    selected : int
+        The object whose material the panel shows.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a value is not as described.
+    """
+
+    environment: str = "daylight"
+    layout: str | None = None
+    materials: tuple[str, ...] = (GOLD,)
+    mesh: str | None = None
+    up: Up = "y"
+    tolerance: float = 0.1
+    orders: tuple[int, int] | None = None
+    viewer: Viewer = "distant"
+    shown: Shown = "maps"
+    automatic: bool = True
+    exposure: float = 0.0
+    background: bool = True
+    light: Rows = UNTURNED
+    eye: Orbit | None = field(default=None)
+    selected: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("environment", "layout", "mesh"):
+            value = getattr(self, name)
+            if not isinstance(value, str) and (value is not None or name == "environment"):
+                raise TypeError(f"{name} must be a text, got {value!r}")
+        if self.eye is not None and not isinstance(self.eye, Orbit):
+            raise TypeError(f"eye must be an Orbit, got {self.eye!r}")
+        if not isinstance(self.materials, tuple) or not self.materials:
+            raise ValueError(f"materials must be one text or more, got {self.materials!r}")
+        if not all(isinstance(text, str) for text in self.materials):
+            raise ValueError(f"materials must be one text or more, got {self.materials!r}")
+        one_of("up", self.up, get_args(Up))
+        one_of("viewer", self.viewer, get_args(Viewer))
+        one_of("shown", self.shown, get_args(Shown))
+        require_tolerance(self.tolerance)
+        if self.orders is not None:
+            require_orders(*self.orders)
+        if not isinstance(self.exposure, (int, float)) or not math.isfinite(self.exposure):
+            raise ValueError(f"exposure must be a finite number, got {self.exposure!r}")
+        for name in ("automatic", "background"):
+            if not isinstance(getattr(self, name), bool):
+                raise TypeError(f"{name} must be true or false, got {getattr(self, name)!r}")
+        rotation("light", self.light)
+        if not isinstance(self.selected, int) or not 0 <= self.selected < len(self.materials):
+            raise ValueError(f"selected must be from 0 to {len(self.materials) - 1}, got {self.selected!r}")
+
+    @property
+    def R(self) -> FloatArray:
+        """The light's rotation, (3, 3) float64."""
+        return np.asarray(self.light, np.float64)
+
+    def with_light(self, R: FloatArray) -> State:
+        """Return it with the light turned otherwise."""
+        a, b, c = ((float(x), float(y), float(z)) for x, y, z in R)
+        return replace(self, light=(a, b, c))
+
+    def with_material(self, index: int, text: str) -> State:
+        """Return it with another material of an object."""
+        materials = (*self.materials[:index], text, *self.materials[index + 1 :])
+        return replace(self, materials=materials)
+
+    def save(self, path: str | Path) -> None:
+        """Write a JSON file.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        text = json.dumps({"format": FORMAT, **asdict(self)}, indent=2)
+        Path(path).write_text(text + "\n", encoding="utf-8")
+
+    @classmethod
+    def load(cls, path: str | Path) -> State:
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            If it is no such file; the text names the file and what is wrong.
+        """
+        text = Path(path).read_bytes()
+        try:
+            values = json.loads(text.decode("utf-8"))
+            if not isinstance(values, dict) or values.pop("format", None) != FORMAT:
+                raise ValueError("it is no saved window")
+            unknown = sorted(values.keys() - {item.name for item in fields(cls)})
+            if unknown:
+                raise ValueError(f"{unknown[0]!r} is unknown")
+            return cls(**_from_json(values))
+        except (ValueError, TypeError, KeyError) as fault:  # also of JSON and of UTF-8
+            raise ValueError(f"{path}: {fault}") from None
+
+
+def _from_json(values: dict[str, Any]) -> dict[str, Any]:
+    """Lists as the tuples they were."""
+    values = dict(values)
+    for name in ("materials", "orders"):
+        if isinstance(values.get(name), list):
+            values[name] = tuple(values[name])
+    if isinstance(values.get("light"), list):
+        values["light"] = tuple(tuple(map(float, row)) for row in values["light"])
+    if isinstance(values.get("eye"), dict):
+        eye = dict(values["eye"])
+        target = tuple(map(float, eye.pop("target", (0.0, 0.0, 0.0))))
+        values["eye"] = Orbit(target=target, **{name: float(value) for name, value in eye.items()})  # type: ignore[arg-type]
+        _ = values["eye"].camera  # whose checks are these values'
+    return values

@@ -1,0 +1,457 @@
+"""The window, driven without a person: what hands do, and what the picture does then."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from shrm import Environment
+from shrm.image_io import ImageWarning, read_image, write_image
+from shrm.render import display
+from shrm.viewer.context import ContextError
+from shrm.viewer.state import UNTURNED, State
+
+glfw = pytest.importorskip("glfw")
+pytest.importorskip("slimgui")
+GL = pytest.importorskip("OpenGL.GL")
+
+from shrm.viewer.app import Application  # noqa: E402
+from shrm.viewer.panel import WIDTH  # noqa: E402
+from shrm.viewer.screen import PLACES  # noqa: E402
+
+SECONDS = 100.0
+SIZE = (WIDTH + 200, 240)
+WHOLE_PANEL = 900  # rows, so that no control is scrolled out of sight
+MIDDLE = (WIDTH + 100.0, 120.0)
+Pixels = npt.NDArray[np.uint8]
+
+
+@pytest.fixture(scope="module")
+def screen() -> Iterator[None]:
+    """A display: the one that is there, or one of our own that nobody sees."""
+    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+        yield
+        return
+    server = shutil.which("Xvfb")
+    if server is None:
+        pytest.skip("there is no display, and no Xvfb to make one (apt-get install xvfb)")
+    read, write = os.pipe()
+    running = subprocess.Popen(
+        [server, "-displayfd", str(write), "-screen", "0", "1280x960x24", "-nolisten", "tcp"],
+        pass_fds=(write,),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(write)
+    with os.fdopen(read) as told:
+        number = told.readline().strip()
+    os.environ["DISPLAY"] = f":{number}"
+    yield
+    glfw.terminate()
+    del os.environ["DISPLAY"]
+    running.terminate()
+    running.wait()
+
+
+class Hands:
+    """Drives an application as a person does, and looks at it."""
+
+    def __init__(self, app: Application) -> None:
+        self.app = app
+
+    def settle(self) -> None:
+        """Draw frames until nothing is on its way."""
+        end = time.monotonic() + SECONDS
+        quiet = 0
+        while quiet < 3:
+            assert time.monotonic() < end
+            self.app.frame()
+            glfw.poll_events()
+            comparing = self.app.state.shown != "maps" and self.app.comparison.worker.busy
+            sampling = self.app.screen.samples < len(PLACES)
+            quiet = 0 if self.app.lighting.busy or comparing or sampling else quiet + 1
+            if not quiet:
+                time.sleep(0.005)
+        assert GL.glGetError() == 0
+
+    def look(self, *, whole: bool = False, away: bool = True) -> Pixels:
+        """What the window shows, (H, W, 3), without the panel; `away`: the pointer leaves it first."""
+        if away:  # an explanation of the control under it may lie over the picture
+            self.app.on_cursor(WIDTH + 2.0, 2.0)
+            self.app.draw()
+        self.app.draw()
+        width, height = glfw.get_framebuffer_size(self.app.window)
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
+        GL.glReadBuffer(GL.GL_BACK)
+        GL.glPixelStorei(GL.GL_PACK_ALIGNMENT, 1)
+        content = GL.glReadPixels(0, 0, width, height, GL.GL_RGB, GL.GL_UNSIGNED_BYTE)
+        pixels = np.frombuffer(content, np.uint8).reshape(height, width, 3)[::-1]
+        glfw.swap_buffers(self.app.window)
+        left = WIDTH if self.app.panel_shown and not whole else 0
+        return np.array(pixels[:, left:])
+
+    def drag(self, button: int, *path: tuple[float, float], mods: int = 0) -> None:
+        """Press, move along points, release; a frame after each."""
+        app = self.app
+        app.on_cursor(*path[0])
+        app.frame()
+        app.on_mouse_button(button, glfw.PRESS, mods)
+        for point in path:
+            app.frame()
+            app.on_cursor(*point)
+        app.frame()
+        app.on_mouse_button(button, glfw.RELEASE, mods)
+        app.frame()
+
+    def place(self, name: str, share: float = 0.5) -> tuple[float, float]:
+        """A point of a control, at a share of its width."""
+        x0, y0, x1, y1 = self.app.panel.places[name]
+        return x0 + share * (x1 - x0), 0.5 * (y0 + y1)
+
+    def click(self, name: str) -> None:
+        self.drag(glfw.MOUSE_BUTTON_LEFT, self.place(name, 0.1))
+        self.settle()
+
+    def press(self, key: int, mods: int = 0) -> None:
+        self.app.on_key(key, 0, glfw.PRESS, mods)
+        self.app.on_key(key, 0, glfw.RELEASE, mods)
+        self.settle()
+
+
+Opened = Callable[..., Hands]
+
+
+@pytest.fixture
+def opened(screen: None, sky: Path, tmp_path: Path) -> Iterator[Opened]:
+    """Open windows, which are closed afterwards."""
+    apps = []
+
+    def open_(height: int = SIZE[1], **changes: object) -> Hands:
+        given = {"environment": str(sky), "materials": ("ggx:0.4",), **changes}
+        state = State(**given)  # type: ignore[arg-type]
+        app = Application(state, SIZE[0], height, visible=False, folder=tmp_path)
+        apps.append(app)
+        hands = Hands(app)
+        hands.settle()
+        return hands
+
+    yield open_
+    for app in apps:
+        app.close()
+
+
+def same(a: Pixels, b: Pixels) -> bool:
+    return a.shape == b.shape and bool(np.array_equal(a, b))
+
+
+def test_it_shows_the_objects_as_the_renderer_tone_maps_them(opened: Opened) -> None:
+    hands = opened()
+    shown, picture = hands.look(), hands.app.screen.picture()
+    assert shown.shape == (240, 200, 3)
+    assert picture.coverage[120, 100] == 1.0
+    assert picture.coverage[2, 2] == 0.0
+    assert shown[2, 2].any()
+    expected = display(picture.radiance, hands.app.state.exposure)
+    assert np.abs(shown.astype(int) - expected).max() <= 1
+
+
+def test_left_drags_orbit_and_shifted_ones_pan(opened: Opened) -> None:
+    hands = opened()
+    app, before = hands.app, hands.look()
+    eye = app.state.eye
+    assert eye is not None
+    hands.drag(glfw.MOUSE_BUTTON_LEFT, MIDDLE, (MIDDLE[0] + 60, MIDDLE[1] + 20))
+    orbited = app.state.eye
+    assert orbited is not None
+    assert (orbited.azimuth, orbited.elevation) == pytest.approx((eye.azimuth - 24, eye.elevation + 8))
+    assert not same(hands.look(), before)
+    app.on_cursor(*MIDDLE)  # released: nothing follows
+    assert app.state.eye == orbited
+    hands.drag(glfw.MOUSE_BUTTON_MIDDLE, MIDDLE, (MIDDLE[0] + 10, MIDDLE[1]))
+    hands.drag(glfw.MOUSE_BUTTON_LEFT, MIDDLE, (MIDDLE[0] + 10, MIDDLE[1]), mods=glfw.MOD_SHIFT)
+    panned = app.state.eye
+    assert panned is not None
+    assert (panned.azimuth, panned.target == eye.target) == (orbited.azimuth, False)
+    app.on_scroll(0.0, 2.0)
+    assert app.state.eye is not None
+    assert app.state.eye.distance < panned.distance
+    hands.press(glfw.KEY_F)
+    assert app.state.eye.target == pytest.approx(eye.target)
+    assert app.state.light == UNTURNED
+    assert app.lighting.answered == 1  # no eye needs other maps
+
+
+def test_right_drags_turn_the_light_and_what_is_behind(opened: Opened) -> None:
+    hands = opened()
+    app, before = hands.app, hands.look()
+    eye, exposure = app.state.eye, app.state.exposure
+    path = [(MIDDLE[0] + 12 * k, MIDDLE[1] + 5 * k) for k in range(6)]
+    hands.drag(glfw.MOUSE_BUTTON_RIGHT, *path)
+    hands.settle()
+    assert app.result is not None
+    assert app.result.request.light == app.state.light != UNTURNED
+    assert (app.state.eye, app.state.exposure) == (eye, exposure)
+    turned = hands.look()
+    changed = np.abs(turned.astype(int) - before).max(axis=2) > 1
+    assert changed[118:122, 60:140].mean() > 0.5  # on the sphere
+    assert changed[:10].mean() > 0.5  # behind it
+    hands.press(glfw.KEY_R)
+    back = hands.look()
+    assert np.abs(back.astype(int) - before).max() <= 1
+
+
+def test_a_slider_prefilters_while_it_moves(opened: Opened) -> None:
+    hands = opened()
+    app, before = hands.app, hands.look()
+    left, right = hands.place("alpha", 0.3), hands.place("alpha", 0.9)
+    app.on_cursor(*left)
+    app.frame()
+    app.on_mouse_button(glfw.MOUSE_BUTTON_LEFT, glfw.PRESS, 0)
+    app.frame()
+    pictures = []
+    for share in (0.0, 0.5, 1.0):
+        app.on_cursor(left[0] + share * (right[0] - left[0]), left[1])
+        hands.settle()  # the button is still down
+        pictures.append(hands.look(away=False))
+    app.on_mouse_button(glfw.MOUSE_BUTTON_LEFT, glfw.RELEASE, 0)
+    hands.settle()
+    assert all(not same(a, b) for a, b in zip([before, *pictures], pictures, strict=False))
+    assert app.result is not None
+    assert app.result.maps[0].brdf == app.state.materials[0] != "ggx(alpha=0.4)"
+    assert app.state.eye is not None
+    assert app.state.eye.azimuth == 0.0
+
+
+def test_controls_of_method_accuracy_and_picture(opened: Opened) -> None:
+    hands = opened(WHOLE_PANEL)
+    app = hands.app
+    hands.click("orders F, P")
+    assert app.result is not None
+    assert app.state.orders == (app.result.maps[0].F, app.result.maps[0].P)
+    hands.click("summed per pixel (eq. 6, 7)")
+    assert app.state.viewer == "near"
+    near = hands.look()
+    hands.click("one dynamic map per frame (eq. 12)")
+    assert not same(hands.look(), near)
+    with_background = hands.look()
+    hands.click("background")
+    assert not hands.look()[2, 2].any()
+    hands.press(glfw.KEY_B)
+    assert same(hands.look(), with_background)
+    exposure = app.state.exposure
+    hands.click("exposure")
+    assert app.state.exposure != pytest.approx(exposure, abs=0.02)
+    assert not app.state.automatic
+    assert not same(hands.look(), with_background)
+    hands.press(glfw.KEY_E)
+    assert app.state.automatic
+    assert app.state.exposure == pytest.approx(exposure, abs=0.02)  # found with fewer samples at first
+
+
+def test_objects_are_added_and_removed(opened: Opened) -> None:
+    hands = opened(WHOLE_PANEL, materials=("lambert:0.8", "phong:8"))
+    app, before = hands.app, hands.look()
+    assert app.result is not None
+    assert len(app.result.maps) == 2
+    hands.click("Add object")
+    assert app.state.materials == ("lambert:0.8", "phong:8", "lambert:0.8")
+    assert app.state.selected == 2
+    assert not same(hands.look(), before)
+    hands.click("object 2")
+    assert app.state.selected == 1
+    hands.click("object 3")
+    hands.click("Remove")
+    assert same(hands.look(), before)
+
+
+def test_pictures_and_meshes_are_dropped(opened: Opened, tmp_path: Path) -> None:
+    hands = opened(WHOLE_PANEL)
+    app, before = hands.app, hands.look()
+    write_image(tmp_path / "other.exr", Environment.daylight(size=32).pixels)
+    app.on_drop([str(tmp_path / "other.exr")])
+    hands.settle()
+    lit = hands.look()
+    assert not same(lit, before)
+    triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    (tmp_path / "triangle.obj").write_text(triangle)
+    app.on_drop([str(tmp_path / "triangle.obj")])
+    hands.settle()
+    assert not same(hands.look(), lit)
+    assert app.fault == ""
+    hands.click("Back to sphere")
+    assert same(hands.look(), lit)
+
+
+@pytest.mark.parametrize("name", ["garbage.hdr", "garbage.ply", "garbage.json", "garbage", "missing.exr"])
+def test_what_is_no_picture_leaves_the_picture(opened: Opened, tmp_path: Path, name: str) -> None:
+    hands = opened()
+    app, before, state = hands.app, hands.look(), hands.app.state
+    if "missing" not in name:
+        (tmp_path / name).write_bytes(bytes(range(256)))
+    quiet = hands.look(whole=True)[:40, :WIDTH]
+    app.on_drop([str(tmp_path / name)])
+    hands.settle()
+    assert name in app.fault
+    assert "\n" not in app.fault
+    assert same(hands.look(), before)
+    assert app.state == state
+    red = hands.look(whole=True)[:40, :WIDTH].astype(int)
+    assert not same(red.astype(np.uint8), quiet)
+    assert (red[..., 0] - red[..., 1]).max() > 100
+    hands.drag(glfw.MOUSE_BUTTON_RIGHT, MIDDLE, (MIDDLE[0] + 40, MIDDLE[1]))
+    hands.settle()
+    assert not same(hands.look(), before)
+
+
+def test_a_wrong_material_is_said_and_the_last_one_comes_back(opened: Opened) -> None:
+    hands = opened()
+    app, before = hands.app, hands.look()
+    app.state = app.state.with_material(0, "velvet:3")
+    hands.settle()
+    assert "velvet" in app.fault
+    assert app.state.materials == ("ggx:0.4",)
+    assert same(hands.look(), before)
+
+
+def test_resizing_and_hiding_the_panel(opened: Opened) -> None:
+    hands = opened()
+    glfw.set_window_size(hands.app.window, WIDTH + 300, 260)
+    hands.settle()
+    assert hands.look().shape == (260, 300, 3)
+    assert hands.app.screen.picture().radiance.shape == (260, 300, 3)
+    hands.press(glfw.KEY_TAB)
+    assert hands.look().shape == (260, WIDTH + 300, 3)
+    glfw.set_window_size(hands.app.window, *SIZE)
+    hands.press(glfw.KEY_TAB)
+    assert hands.look().shape == (240, 200, 3)
+    glfw.set_window_size(hands.app.window, 100, 100)  # narrower than the panel
+    hands.settle()
+    glfw.set_window_size(hands.app.window, *SIZE)
+    hands.settle()
+    assert hands.look().shape == (240, 200, 3)
+
+
+def test_screenshots_are_what_is_shown(opened: Opened, tmp_path: Path) -> None:
+    hands = opened()
+    shown, picture = hands.look(), hands.app.screen.picture()
+    hands.press(glfw.KEY_S)
+    hands.press(glfw.KEY_S)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        f"shrm-00{number}{suffix}" for number in (1, 2) for suffix in (".exr", ".png")
+    ]
+    assert np.array_equal(read_image(tmp_path / "shrm-001.exr").pixels, picture.radiance)
+    with pytest.warns(ImageWarning, match="decoded from sRGB"):
+        stored = read_image(tmp_path / "shrm-001.png").pixels
+    assert np.abs(display(stored).astype(int) - shown).max() <= 1
+
+
+def test_the_state_is_saved_and_opened(opened: Opened, tmp_path: Path) -> None:
+    hands = opened()
+    hands.drag(glfw.MOUSE_BUTTON_LEFT, MIDDLE, (MIDDLE[0] + 40, MIDDLE[1]))
+    hands.drag(glfw.MOUSE_BUTTON_RIGHT, MIDDLE, (MIDDLE[0] + 40, MIDDLE[1]))
+    hands.settle()
+    state, before = hands.app.state, hands.look()
+    hands.press(glfw.KEY_S, glfw.MOD_CONTROL)
+    assert State.load(tmp_path / "shrm-view.json") == state
+    hands.app.state = replace(state, light=UNTURNED, materials=("ggx:0.4", "lambert:0.5"))
+    hands.settle()
+    assert hands.app.state.eye != state.eye
+    assert not same(hands.look(), before)
+    hands.press(glfw.KEY_O, glfw.MOD_CONTROL)
+    assert hands.app.state == state
+    assert same(hands.look(), before)
+
+
+def test_integration_agrees_with_the_maps(opened: Opened) -> None:
+    hands = opened(materials=("lambert:0.8", "ggx:0.4"), viewer="near", background=False)
+    drawn = hands.app.screen.picture()
+    hands.press(glfw.KEY_2)
+    integrated = hands.app.screen.picture()
+    inside = drawn.coverage == 1.0
+    difference = (integrated.radiance - drawn.radiance)[inside]
+    assert hands.app.comparison.says == "integrated"
+    assert np.any(difference != 0.0)
+    assert np.sqrt((difference**2).mean() / (drawn.radiance[inside] ** 2).mean()) < hands.app.state.tolerance
+    hands.press(glfw.KEY_3)
+    shown = hands.app.screen.picture().radiance[inside]
+    assert shown == pytest.approx(8.0 * np.abs(difference), abs=1e-4)
+    hands.press(glfw.KEY_1)
+    assert np.array_equal(hands.app.screen.picture().radiance, drawn.radiance)
+
+
+def test_keys_are_listed_and_end_it(opened: Opened) -> None:
+    hands = opened()
+    before = hands.look()
+    hands.app.on_char(ord("?"))
+    hands.settle()
+    assert not same(hands.look(), before)
+    hands.app.on_char(ord("?"))
+    hands.settle()
+    assert same(hands.look(), before)
+    hands.app.on_key(glfw.KEY_ESCAPE, 0, glfw.PRESS, 0)
+    hands.app.run()  # and returns
+
+
+def test_five_hundred_frames_leave_as_many_objects_on_the_gpu(opened: Opened) -> None:
+    hands = opened()
+    app = hands.app
+
+    def objects() -> int:
+        kinds = (GL.glIsTexture, GL.glIsBuffer, GL.glIsFramebuffer, GL.glIsVertexArray, GL.glIsProgram)
+        return sum(bool(exists(name)) for exists in kinds for name in range(1, 2000))
+
+    def frames(count: int) -> None:
+        app.on_cursor(*MIDDLE)
+        for index in range(count):
+            app.on_mouse_button(glfw.MOUSE_BUTTON_LEFT + index % 2, glfw.PRESS, 0)
+            app.on_cursor(MIDDLE[0] + index % 50, MIDDLE[1])
+            app.on_mouse_button(glfw.MOUSE_BUTTON_LEFT + index % 2, glfw.RELEASE, 0)
+            app.frame()
+            if index % 100 == 0:
+                app.state = app.state.with_material(0, f"ggx:{0.4 + 0.0005 * index:.3f}")
+                hands.settle()
+        hands.settle()
+
+    frames(20)
+    before = objects(), len(app.renderer.resources)
+    frames(500)
+    assert (objects(), len(app.renderer.resources)) == before
+    assert GL.glGetError() == 0
+
+
+def test_the_first_fault_ends_it(screen: None, tmp_path: Path) -> None:
+    app = Application(State(environment=str(tmp_path / "missing.hdr")), *SIZE, visible=False)
+    with pytest.raises((OSError, ValueError), match="missing"):
+        app.run()
+    app.close()
+
+
+def test_without_a_display_one_line_says_what_to_do() -> None:
+    without = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    code = "import sys; from shrm.cli import main; sys.exit(main(['view']))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=without)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    assert "DISPLAY" in line
+    assert "shrm render --gpu" in line
+    assert issubclass(ContextError, RuntimeError)
+
+
+@pytest.mark.parametrize(
+    "arguments", [("--brdf", "velvet:1"), ("--size", "3"), ("--near", "--distant"), ("--orders", "3")]
+)
+def test_a_wrong_command_line_opens_nothing(
+    shrm: Callable[..., tuple[int, str, str]], arguments: tuple[str, ...]
+) -> None:
+    status, out, err = shrm("view", *arguments)
+    assert status == 2
+    assert out == ""
+    assert len(err.splitlines()) == 1
