@@ -1,6 +1,7 @@
 """The GPU's pictures against those of the CPU, on every way to OpenGL without a display."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import oracles
@@ -83,6 +84,7 @@ MATERIALS = [
 ]
 
 
+@cache
 def light(name: str) -> Environment:
     if name == "daylight":
         return Environment.daylight(size=64)
