@@ -38,3 +38,8 @@ def shrm(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, st
         return status, out, err
 
     return run
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Run the tests of the window first: GLX refuses a thread in which EGL or OSMesa has a context."""
+    items.sort(key=lambda item: item.path.stem != "test_viewer_window")

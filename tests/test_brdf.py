@@ -1,5 +1,7 @@
 """Materials: their values against formulas written here, and the properties they must have."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from directions import direction, hemisphere, sphere, turned
@@ -390,3 +392,25 @@ def test_equal_materials_about_another_centre_are_one():
     assert brdf.GGX(0.3).recentred("reflection") is brdf.GGX(0.3).recentred("reflection")
     assert brdf.GGX(0.3).recentred("reflection") is not brdf.GGX(0.3).recentred("lobe")
     assert brdf.GGX(0.3).recentred("reflection") is not brdf.GGX(0.4).recentred("reflection")
+
+
+def test_materials_that_change_are_recentred_anew():
+    class Changing(brdf.BRDF):
+        alpha = 0.3
+        name = "changing"
+
+        @property
+        def lobes(self):
+            return brdf.GGX(self.alpha).lobes
+
+    @dataclasses.dataclass
+    class Unhashable(Changing):
+        alpha: float = 0.3
+
+    above = np.array([[0.0, 0.0, 1.0]])
+    for material in (Changing(), Unhashable()):
+        before = material.recentred("reflection").transfer(above, above)
+        material.alpha = 0.6
+        after = material.recentred("reflection").transfer(above, above)
+        np.testing.assert_allclose(after, brdf.GGX(0.6).transfer(above, above))
+        assert before > 2 * after

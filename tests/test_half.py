@@ -203,3 +203,10 @@ def test_halves_of_no_regular_rows_are_refused():
             _core.to_half(floats, halves)
     with pytest.raises(ValueError, match="halves has shape"):
         _core.to_half(floats, np.zeros((4, 3, 9), np.float16))
+
+
+def test_axes_of_one_row_may_have_any_stride():
+    floats = np.random.default_rng(2).random((6, 3, 8), dtype=np.float32)
+    halves = np.lib.stride_tricks.as_strided(np.zeros((6, 3, 8), np.float16), (6, 1, 3, 8), (48, 0, 16, 2))
+    _core.to_half(floats[:, None].copy(), halves)
+    np.testing.assert_array_equal(halves[:, 0], floats.astype(np.float16))

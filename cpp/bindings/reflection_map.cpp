@@ -102,10 +102,16 @@ bool is_half(const py::array& array) {
 // Values from one row, along the last axis, to the next; what lies between rows belongs to none.
 int require_rows(const py::array& array, const char* name) {
     const py::ssize_t last = array.ndim() - 1;
-    py::ssize_t pitch = last < 1 ? array.size() : array.strides(last - 1) / array.itemsize();
-    bool regular = last >= 0 && array.strides(last) == array.itemsize() && pitch >= array.shape(last);
-    for (py::ssize_t axis = last - 1; axis >= 1; --axis)
-        regular = regular && array.strides(axis - 1) == array.shape(axis) * array.strides(axis);
+    bool regular = last >= 0 && (array.shape(last) <= 1 || array.strides(last) == array.itemsize());
+    py::ssize_t pitch = 0, rows = 1;
+    for (py::ssize_t axis = last - 1; axis >= 0; --axis) {
+        if (array.shape(axis) == 1) continue;  // its stride means nothing
+        if (pitch == 0) pitch = array.strides(axis) / array.itemsize();
+        regular = regular && array.strides(axis) == rows * pitch * array.itemsize();
+        rows *= array.shape(axis);
+    }
+    if (pitch == 0 && last >= 0) pitch = array.shape(last);
+    regular = regular && pitch >= array.shape(last);
     if (!regular)
         throw py::type_error(std::string(name) + " must be contiguous, or in rows equally far apart");
     return static_cast<int>(pitch);

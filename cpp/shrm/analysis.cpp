@@ -72,10 +72,10 @@ SHRM_KERNEL inline void legendre_product(const float* rows, const float* modes, 
 // cache. Of small pictures `lanes` or more, so that modes are put in place by transposing whole vectors: that
 // saves more than leaving the first cache for the second costs.
 int pairs_at_once(int W, int channels) {
-    constexpr int small = 1 << 17;  // bytes of folded rows, a part of any second cache
+    constexpr std::size_t small = 1 << 17;  // bytes of folded rows, a part of any second cache
     const int few = RingFourier::row_block / 2 / std::gcd(RingFourier::row_block / 2, channels);
     const int many = round_up(lanes, few);
-    return many * 2 * channels * W * int(sizeof(float)) <= small ? many : few;
+    return size(many * 2) * size(channels) * size(W) * sizeof(float) <= small ? many : few;
 }
 
 }  // namespace

@@ -192,8 +192,8 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     """Both angles of the light, [RH02] appendix C: more nodes where two sets of them do not agree."""
-    # With either set the lobe as expanded is exact to 1e-5 (relative RMS); low orders need fewer azimuths,
-    # unless the lobe lies far from the centre.
+    # With either set the lobe as expanded about R or its own centre is exact to 1e-5 (relative RMS); low
+    # orders need fewer azimuths, unless the lobe lies far from the centre.
     low = P <= 3 and L <= 32 and lobe.center != "normal"
     # Beyond P, for the energy of all azimuths, which order selection needs
     Q = min(L, max(P, 8 if low else 24))

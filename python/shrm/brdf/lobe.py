@@ -185,7 +185,7 @@ class BRDF(ABC):
     `a + b` is the material that reflects what both reflect; `0.5 * a` and `(1, 0.5, 0.2) * a`
     scale it, per channel where three numbers are given. Factors are at least 0.
 
-    Materials are hashable and do not change: what is computed for one is kept, and found for its equals.
+    The package's own materials do not change: what is computed for one is kept, and found for its equals.
     """
 
     # So that numpy's scalars and arrays leave `factor * material` to `__rmul__`.
@@ -270,7 +270,9 @@ class BRDF(ABC):
             If no such material exists; the text says why.
         """
         one_of("center", center, get_args(Center))
-        return _recentred(self, center, merge)
+        if _does_not_change(self):
+            return _kept_recentred(self, center, bool(merge))
+        return _recentred(self, center, bool(merge))
 
     def __add__(self, other: object) -> BRDF:
         if not isinstance(other, BRDF):
@@ -322,9 +324,20 @@ class Material(BRDF):
         return self._name
 
 
-@lru_cache(maxsize=64)
+def _does_not_change(material: BRDF) -> bool:
+    """Whether a material is a frozen dataclass that can be hashed, as all models of this package are."""
+    parameters_of = getattr(type(material), "__dataclass_params__", None)
+    if parameters_of is None or not parameters_of.frozen:
+        return False
+    try:
+        hash(material)
+    except TypeError:
+        return False
+    return True
+
+
 def _recentred(material: BRDF, center: Center, merge: bool) -> BRDF:
-    """See `BRDF.recentred`. Equal materials give the same one, so that what is kept for it is found again."""
+    """See `BRDF.recentred`."""
     wanted = "tangent" if center == "tangent" else "normal"
     if any(lobe.frame != wanted for lobe in material.lobes):
         raise ValueError(
@@ -347,6 +360,9 @@ def _recentred(material: BRDF, center: Center, merge: bool) -> BRDF:
     lobes = material.lobes
     return Material((IsotropicLobe(center, lambda wi, wo: _sum_of_transfers(lobes, wi, wo)),), material.name)
 
+
+# Equal materials give the same one, so that what is kept for it is found again.
+_kept_recentred = lru_cache(maxsize=64)(_recentred)
 
 _CENTER_TEXT = {"lobe": "lobe centre", "reflection": "reflection", "normal": "normal", "tangent": "tangent"}
 

@@ -52,6 +52,8 @@ def open_window(width: int, height: int, title: str, visible: bool) -> Context:
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # GLFW's own: the error says it
+        if glfw.get_platform() == glfw.PLATFORM_NULL:  # of an OSMesa context, which ends here
+            glfw.terminate()
         glfw.init_hint(glfw.PLATFORM, glfw.ANY_PLATFORM)
         if not glfw.init():
             raise ContextError(NO_WINDOW)
