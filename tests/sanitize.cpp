@@ -107,6 +107,12 @@ void harmonics() {
                     shrm::evaluate(coefficients, channels, F, directions, values);
                 }
             }
+
+    // past the caches
+    const int H = 64, W = 250, channels = 137;
+    std::vector<float> rings(size(H * W * channels));
+    shrm::Synthesis(H, W, channels, 1, shrm::Tables::transient)
+        .run(random_values<double>(basis_size(1) * size(channels)), rings);
 }
 
 void rotation() {

@@ -52,7 +52,7 @@ CPP_ORDER = [
     ["core"],
     ["quadrature", "trigonometry"],
     ["layouts", "grid"],
-    ["simd", "half"],
+    ["simd", "half", "stream"],
     ["legendre", "ring_fourier"],
     ["analysis"],
     ["synthesis"],

@@ -69,9 +69,7 @@ SHRM_KERNEL inline void texels_at_views(const GridOfViews& views, const float* r
             float* to = pixels + size(a * views.T + b) * stride;
             std::array<float, 3 * lanes> whole;
             float* at = count == lanes ? to : whole.data();
-            store(at, interleaved<0>(sum[0], sum[1], sum[2]));
-            store(at + lanes, interleaved<1>(sum[0], sum[1], sum[2]));
-            store(at + 2 * lanes, interleaved<2>(sum[0], sum[1], sum[2]));
+            store_interleaved(at, sum[0], sum[1], sum[2]);
             if (count < lanes) std::copy_n(whole.data(), 3 * count, to);
         }
     }

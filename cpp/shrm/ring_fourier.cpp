@@ -6,6 +6,7 @@
 
 #include "shrm/core.hpp"
 #include "shrm/simd.hpp"
+#include "shrm/stream.hpp"
 
 namespace shrm {
 namespace {
@@ -225,10 +226,12 @@ SHRM_KERNEL inline void RingFourier::synthesise_channels(const float* modes, int
     }
 }
 
-void RingFourier::synthesise(const float* modes, int channels, int stride, float* ring) const {
+void RingFourier::synthesise(const float* modes, int channels, int stride, float* ring,
+                             float* through) const {
     for (int c = 0; c < channels; c += 3) {
+        float *const place = ring + size(c) * size(W_), *const made = through ? through : place;
         float* rings[3];
-        for (int i = 0; i < 3; ++i) rings[i] = ring + size(c + i) * size(W_);
+        for (int i = 0; i < 3; ++i) rings[i] = made + size(i) * size(W_);
         const int count = std::min(3, channels - c);
         const auto run = [&]<int Folds>() {
             if (count == 3)
@@ -242,6 +245,7 @@ void RingFourier::synthesise(const float* modes, int channels, int stride, float
             run.template operator()<4>();
         else
             run.template operator()<2>();
+        if (through) stream(through, count * W_, place);
     }
 }
 

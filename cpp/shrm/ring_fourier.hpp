@@ -29,7 +29,9 @@ class RingFourier {
 
     // ring (channels, W) = sum over m of modes(m, 0, c) cos(m phi) + modes(m, 1, c) sin(m phi).
     //   modes (max_order + 1, stride): the channels of the cosine, then those of the sine
-    void synthesise(const float* modes, int channels, int stride, float* ring) const;
+    // Given memory for three channels, `through` (3, W), it makes them there and streams them to the ring.
+    void synthesise(const float* modes, int channels, int stride, float* ring,
+                    float* through = nullptr) const;
 
   private:
     // The orders that share one folding. With psi = pi - phi the quarters of the ring lie at psi, pi - psi,

@@ -78,14 +78,32 @@ inline Floats channel_of_three(Floats a, Floats b, Floats c) {
     return shuffled<[](int i) { return 3 * i + C < 2 * lanes ? i : 3 * i + C - lanes; }>(ab, c);
 }
 
-// Vector V, 0 to 2, of the texels whose three channels a, b and c are: the inverse of channel_of_three.
-template <int V>
-inline Floats interleaved(Floats a, Floats b, Floats c) {
-    // Lane i is channel k % 3 of texel k / 3, k = V lanes + i.
-    constexpr int first = V * lanes;
-    const Floats ab =
-        shuffled<[](int i) { return (first + i) / 3 + ((first + i) % 3 == 1 ? lanes : 0); }>(a, b);
-    return shuffled<[](int i) { return (first + i) % 3 == 2 ? lanes + (first + i) / 3 : i; }>(ab, c);
+// Every texel of one channel to the lane where it stands in whichever of the three vectors holds it there.
+template <int channel>
+struct SpreadOfThree {
+    static_assert(lanes % 3 != 0);  // no lane serves the channel in two of them
+    constexpr int operator()(int i) const {
+        int value = i;
+        while (value % 3 != channel) value += lanes;
+        return value / 3;
+    }
+};
+
+// The second vector's lanes where the channel has its place, the first one's elsewhere.
+template <int V, int channel>
+struct WithChannel {
+    constexpr int operator()(int i) const { return i + ((V * lanes + i) % 3 == channel ? lanes : 0); }
+};
+
+// Stores `lanes` texels whose three channels a, b and c are: the inverse of channel_of_three.
+inline void store_interleaved(float* to, Floats a, Floats b, Floats c) {
+    a = shuffled<SpreadOfThree<0>{}>(a, a);
+    b = shuffled<SpreadOfThree<1>{}>(b, b);
+    c = shuffled<SpreadOfThree<2>{}>(c, c);
+    unrolled<3>([&](auto v) {
+        const Floats ab = shuffled<WithChannel<v, 1>{}>(a, b);
+        store(to + v * lanes, shuffled<WithChannel<v, 2>{}>(ab, c));
+    });
 }
 
 // Of each two blocks of `apart` lanes the first (0) or the second (1); odd blocks of the result from the

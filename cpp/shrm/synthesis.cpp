@@ -7,6 +7,7 @@
 
 #include "shrm/core.hpp"
 #include "shrm/simd.hpp"
+#include "shrm/stream.hpp"
 
 namespace shrm {
 namespace {
@@ -129,11 +130,14 @@ void Synthesis::legendre_step(int block, Scratch& scratch) const {
 void Synthesis::run(std::span<const double> coefficients, std::span<float> rings) {
     if (scratch_.size() < size(omp_get_max_threads())) scratch_.resize(size(omp_get_max_threads()));
     const std::size_t mode_size = size(F_ + 1) * size(stride_), ring_size = size(channels_) * size(W_);
+    const bool streamed = rings.size_bytes() >= streamed_from;
 #pragma omp parallel
     {
 #pragma omp for schedule(static, 1)
         for (int m = 0; m <= F_; ++m) gather(m, coefficients.data());
         Scratch& scratch = scratch_[size(omp_get_thread_num())];
+        if (streamed) scratch.channels.resize(3 * size(W_));
+        float* const through = streamed ? scratch.channels.data() : nullptr;
 #pragma omp for schedule(static)
         for (int block = 0; block < blocks_; ++block) {
             legendre_step(block, scratch);
@@ -141,12 +145,13 @@ void Synthesis::run(std::span<const double> coefficients, std::span<float> rings
                 const int north = block * ring_block + b, south = H_ - 1 - north;
                 if (north > south) break;
                 const float* modes = &scratch.modes[size(b) * mode_size];
-                fourier_.synthesise(modes, channels_, stride_, &rings[size(north) * ring_size]);
+                fourier_.synthesise(modes, channels_, stride_, &rings[size(north) * ring_size], through);
                 if (south > north)
                     fourier_.synthesise(modes + ring_block * mode_size, channels_, stride_,
-                                        &rings[size(south) * ring_size]);
+                                        &rings[size(south) * ring_size], through);
             }
         }
+        if (streamed) end_of_stream();
     }
 }
 

@@ -26,6 +26,7 @@ class Synthesis {
     struct Scratch {
         std::vector<float> modes;     // (north | south, ring of the block, m, stride)
         std::vector<float> legendre;  // legendre_rows of one order, if not kept
+        std::vector<float> channels;  // (3, W), on their way past the caches
     };
     void gather(int m, const double* coefficients);
     void legendre_rows(int block, int m, float* rows) const;

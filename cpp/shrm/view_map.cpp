@@ -93,9 +93,7 @@ SHRM_KERNEL inline void view_texels(const Stored* ring, int pitch, int maps, Wei
     unrolled<V>([&](auto v) {
         float* to = pixels + 3 * v * lanes;
         const Floats r = sums[0][v].value(), g = sums[1][v].value(), b = sums[2][v].value();
-        store(to, interleaved<0>(r, g, b));
-        store(to + lanes, interleaved<1>(r, g, b));
-        store(to + 2 * lanes, interleaved<2>(r, g, b));
+        store_interleaved(to, r, g, b);
     });
 }
 
