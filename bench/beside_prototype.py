@@ -1,6 +1,6 @@
 """Our kernels beside those of a timing study, in turns, with one thread and with two.
 
-    python bench/beside_prototype.py          # the comparison, as JSON; takes about a minute
+    python bench/beside_prototype.py          # the comparison, as JSON; takes half a minute
 
 The study, ../shared/prototypes/sht_prototype.cpp, is a C++ program of hand-written kernels that stands beside
 the project and is no part of it. It is compiled for this very processor, its sweep narrowed to the sizes that
@@ -26,7 +26,7 @@ from limits import BUILD, ROOT, compiled
 from processes import found_by
 
 SOURCE = ROOT.parent / "shared" / "prototypes" / "sht_prototype.cpp"
-TURNS = 2
+TURNS = 3
 PICTURES = (128, 512, 2048)
 ORDERS = (3, 5)
 F = 30
@@ -153,7 +153,7 @@ def _median(call: Callable[[], Any], clock: Callable[[], float]) -> float:
 
 
 def compare(limit: float = 120.0) -> list[dict[str, Any]]:
-    """Return a row for each kernel, milliseconds: the study first and last, ours between, twice.
+    """Return a row for each kernel, milliseconds: the study first and last, ours between, thrice.
 
     Parameters
     ----------
