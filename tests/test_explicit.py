@@ -1,11 +1,23 @@
 """Explicit sets of maps from reflection maps and back: [RH02] appendix C."""
 
+from dataclasses import replace
+
 import numpy as np
 import oracles
 import pytest
+from directions import sphere as directions
 from light import band_limited_environment
 from shrm import brdf, explicit, prefilter
-from shrm.explicit import fit, icosahedral_maps, icosahedron, reflection_maps, three_dimensional_texture
+from shrm.explicit import (
+    fit,
+    icosahedral_maps,
+    icosahedron,
+    reflection_maps,
+    three_dimensional_texture,
+    without_azimuth,
+)
+from shrm.reproduce.comparison import Frames
+from shrm.reproduce.velvet import velvet
 
 
 def test_icosahedron_has_twelve_equal_corners():
@@ -62,3 +74,44 @@ def test_a_grid_of_views_is_every_view_on_its_own(layout, size):
     single = np.stack([rm.at_view(view) for view in explicit.grid_views(3).reshape(-1, 3)])
     many = reflection_maps(rm, 3)
     np.testing.assert_allclose(many.reshape(single.shape), single, atol=1e-5 * single.max())
+
+
+def test_a_lobe_without_azimuth_loses_nothing_without_it():
+    env = band_limited_environment(6, seed=5)
+    frames = Frames.drawn(200)
+    rm = prefilter(env, brdf.GGX(0.4), orders=(6, 3), center="reflection", size=32)
+    (part,) = rm.parts
+    rho = part.rho.copy()
+    rho[:, :, 1:] = 0  # a lobe that has no azimuth, through all (P+1)^2 maps of the global form
+    full = replace(rm, parts=(replace(part, rho=rho).resized(32, "latlong"),))
+    flat = without_azimuth(full)
+    assert full.parts[0].maps.shape == (16, 32, 64, 3)
+    assert flat.parts[0].maps.shape == (4, 32, 64, 3)
+    np.testing.assert_allclose(frames.radiance(flat), frames.radiance(full), rtol=1e-3)
+    phong = prefilter(env, brdf.Phong(8), orders=(6, 0), size=32)
+    np.testing.assert_array_equal(frames.radiance(without_azimuth(phong)), frames.radiance(phong))
+
+
+def test_without_azimuth_is_the_mean_over_the_azimuth_of_the_view():
+    env = band_limited_environment(5, seed=6)
+    rm = prefilter(
+        env, velvet(0.4, (0.3, 0.1, 0.2), (0.1, 0.2, 0.3)), orders=(5, 3), center="reflection", size=48
+    )
+    flat = without_azimuth(rm)
+    C = directions(1, seed=7)[0]
+    x = np.cross(C, [0, 0, 1.0])
+    x /= np.linalg.norm(x)
+    spin = 2 * np.pi * np.arange(8) / 8  # more than 2 P: the mean of degree 3 is exact
+    around = np.cos(spin)[:, None] * x + np.sin(spin)[:, None] * np.cross(C, x)
+    for theta_o in (0.4, 1.5, 2.6):
+        V = np.cos(theta_o) * C + np.sin(theta_o) * around
+        N = (V + C) / np.linalg.norm(V + C, axis=1, keepdims=True)
+        full, without = rm.radiance(N, V), flat.radiance(N, V)
+        np.testing.assert_allclose(without, np.broadcast_to(full.mean(axis=0), without.shape), rtol=1e-3)
+        assert np.ptp(full, axis=0).max() > 0.01 * full.max()  # there is azimuth to lose
+
+
+def test_fitted_maps_have_no_azimuth_to_lose():
+    fitted = fit(np.zeros((1, 4, 8, 3)), [[0, 0, 1.0]], P=0)
+    with pytest.raises(ValueError, match="fitted to pictures"):
+        without_azimuth(fitted)

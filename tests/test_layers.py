@@ -30,6 +30,7 @@ PYTHON_ORDER = [
     ["rings"],
     ["reflection_map", "reflection_file"],  # a map's save and load are the file's
     ["explicit"],
+    ["icosahedral"],
     ["radial_table"],
     ["lobe_tables"],
     ["lobe_integrals"],

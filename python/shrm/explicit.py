@@ -14,13 +14,16 @@ References
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 import numpy.typing as npt
 
 from shrm import _core, sh
 from shrm.brdf.lobe import Center
 from shrm.central_direction import gamma_table
-from shrm.reflection_map import Part, ReflectionMap
+from shrm.reflection_map import Part, ReflectionMap, zonal_harmonics
 from shrm.validation import one_of, real_array, unit_vectors, whole_number
 
 FloatArray = npt.NDArray[np.float64]
@@ -141,11 +144,36 @@ def three_dimensional_texture(rm: ReflectionMap, T: int) -> Float32Array:
     part = rm.parts[0]
     zonal = part.maps if part.zonal else _azimuthal_mean(part)
     theta_o = (np.arange(T) + 0.5) * np.pi / T
-    directions = np.stack([np.sin(theta_o), np.zeros(T), np.cos(theta_o)], axis=1)
-    identity = np.eye((part.P + 1) ** 2)
-    p = np.arange(part.P + 1)
-    Y = sh.evaluate(identity, directions)[:, p * (p + 1)]
-    return np.tensordot(Y, zonal, axes=(1, 0)).astype(np.float32)
+    return np.tensordot(zonal_harmonics(part.P, np.cos(theta_o)), zonal, axes=(1, 0)).astype(np.float32)
+
+
+def without_azimuth(rm: ReflectionMap) -> ReflectionMap:
+    """Return a map without the azimuth of the view about C: what the terms q = 0 of the local form hold.
+
+    Kautz and McCool's approximation [KM00]: each lobe is a function of theta_i and theta_o alone, radially
+    symmetric about C for every view [RH02 footnote 7]. It takes P + 1 maps, for Y_p0(theta_o) [RH02 eq. 6].
+
+    Parameters
+    ----------
+    rm : ReflectionMap
+        Made by `shrm.prefilter`: maps fitted to pictures have no local form.
+
+    Returns
+    -------
+    ReflectionMap
+        On the same grid. Its `error` is not known, and nan.
+
+    Raises
+    ------
+    ValueError
+        If the maps were fitted to pictures.
+    """
+    if any(part.F < 0 for part in rm.parts):
+        raise ValueError(f"{rm.brdf} was fitted to pictures, and has no coefficients to take q = 0 from")
+    parts = tuple(
+        part if part.zonal else replace(part, zonal=True).resized(part.size, part.layout) for part in rm.parts
+    )
+    return replace(rm, parts=parts, predict=partial(float, "nan"))
 
 
 def fit(

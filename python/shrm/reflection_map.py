@@ -105,10 +105,16 @@ class Part:
 
     def directions(self) -> FloatArray:
         """Return the central direction of every texel: (H, W, 3), or (6, N, N, 3) for cubes."""
+        rings = self.ring_directions()
+        if self.layout == "latlong":
+            return rings
+        side = self.size + 2 * BORDER
+        return rings.reshape(6, side, side, 3)[:, BORDER:-BORDER, BORDER:-BORDER]
+
+    def ring_directions(self) -> FloatArray:
+        """Return the central direction of every texel of the rings, a cube's borders included: (H, W, 3)."""
         if self.layout == "cube":
-            N = self.size
-            bordered = _core.cube_directions(N=N).reshape(6, N + 2 * BORDER, N + 2 * BORDER, 3)
-            return np.asarray(bordered[:, BORDER:-BORDER, BORDER:-BORDER])
+            return _core.cube_directions(N=self.size)
         H, W = self.rings.shape[0], self.rings.shape[3]
         theta = (np.arange(H)[:, None] + 0.5) * np.pi / H
         phi = np.pi - 2 * np.pi * (np.arange(W) + 0.5) / W
@@ -160,13 +166,9 @@ class Part:
 
     def _view_basis(self, C: FloatArray, views: FloatArray) -> FloatArray:
         """Y_pq(V), or Y_p0 at the angle between C and V if zonal; (n, maps)."""
-        p = np.arange(self.P + 1)
         if not self.zonal:
             return _core.evaluate(coefficients=np.eye((self.P + 1) ** 2), directions=views)
-        cosine = np.clip(np.einsum("nc,nc->n", C, views), -1, 1)
-        along = np.stack([np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=1)
-        Y = _core.evaluate(coefficients=np.eye((self.P + 1) ** 2), directions=along)
-        return np.ascontiguousarray(Y[:, p * (p + 1)])
+        return zonal_harmonics(self.P, np.einsum("nc,nc->n", C, views))
 
     def local_maps(self, H: int, W: int | None = None) -> Float32Array:
         """Return the local form B_pq(alpha, beta) [RH02 eq. 14] on a lat-long grid.
@@ -407,6 +409,13 @@ class ReflectionMap:
 
     def __repr__(self) -> str:
         return f"<ReflectionMap {self.brdf}: F={self.F} P={self.P} {self.layout} {self.parts[0].size}>"
+
+
+def zonal_harmonics(P: int, cosine: FloatArray) -> FloatArray:
+    """Y_p0 at angles whose cosines are given, for all p <= P: one more axis, the last."""
+    p = np.arange(P + 1)
+    legendre = np.polynomial.legendre.legvander(np.clip(cosine, -1, 1), P)
+    return np.asarray(legendre * np.sqrt((2 * p + 1) / (4 * np.pi)), np.float64)
 
 
 def require_maps(maps: int, zonal: bool) -> int:

@@ -20,6 +20,7 @@ from shrm.brdf import BRDF, GGX, KajiyaKay
 from shrm.brdf.lobe import Center
 from shrm.environment import Environment
 from shrm.explicit import icosahedron
+from shrm.icosahedral import IcosahedralMaps, faces
 from shrm.prefiltering import prefilter
 from shrm.reference import AngularReflection, prefilter_angular
 from shrm.reproduce.comparison import (
@@ -31,7 +32,6 @@ from shrm.reproduce.comparison import (
     Truth,
     draw_blocks,
 )
-from shrm.reproduce.icosahedral import IcosahedralMaps, faces
 from shrm.reproduce.result import Cell, Result, Settings
 from shrm.reproduce.spheres import View, brightest, view_turned
 
@@ -139,8 +139,8 @@ def shrm(env: Environment, material: Material, center: Center, P: int, size: int
 
 def icosahedral(exact: AngularReflection, center: Center) -> Representation:
     """Integrate Cabral's twelve maps."""
-    maps = IcosahedralMaps(exact, center)
-    return Representation("Cabral et al.", CENTERS[center], len(icosahedron()), maps.nbytes, maps)
+    maps = IcosahedralMaps.fitted([np.asarray(exact.at_view(view)) for view in icosahedron()], center)
+    return Representation("Cabral et al.", CENTERS[center], len(maps.maps), maps.nbytes, maps)
 
 
 def title(judged: Judged) -> str:

@@ -14,14 +14,13 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center
+from shrm.explicit import without_azimuth
 from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
-from shrm.reflection_map import ReflectionMap
 from shrm.reproduce import fits
 from shrm.reproduce.comparison import (
     COLUMNS,
@@ -115,12 +114,6 @@ def fabric(settings: Settings) -> BRDF:
         if name in found:
             return found[name]
     return velvet(0.4, (0.3, 0.02, 0.05), (0.08, 0.003, 0.008))
-
-
-def without_azimuth(rm: ReflectionMap) -> ReflectionMap:
-    """Keep of every lobe the terms q = 0 of the local form: P + 1 maps, for Y_p0(theta_o) [RH02 eq. 6]."""
-    parts = (replace(part, zonal=True).resized(part.size, part.layout) for part in rm.parts)
-    return replace(rm, parts=tuple(parts))
 
 
 def _draw(name: str, truth: Truth, series: Series, texture: Judged) -> Figure:

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import sh
-from shrm.reproduce.icosahedral import weights
+from shrm.icosahedral import weights
 
 FloatArray = npt.NDArray[np.float64]
 Float32Array = npt.NDArray[np.float32]
