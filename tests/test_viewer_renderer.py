@@ -9,6 +9,8 @@ import pytest
 from data import require
 from shrm import ReflectionMap, brdf, prefilter
 from shrm.environment import Environment
+from shrm.explicit import without_azimuth
+from shrm.icosahedral import IcosahedralMaps
 from shrm.reference import prefilter_angular
 from shrm.render import Camera, Mesh, Object, Sphere, environment_lookup, render
 from shrm.viewer import Context, ContextError, Renderer, Scene, offscreen
@@ -40,7 +42,7 @@ def renderer(request, contexts) -> Renderer:
 class Bilinear:
     """A reflection map looked up as graphics hardware does."""
 
-    def __init__(self, rm: ReflectionMap) -> None:
+    def __init__(self, rm: ReflectionMap | IcosahedralMaps) -> None:
         self.rm = rm
 
     def radiance(self, normals, views, tangents=None):
@@ -99,6 +101,17 @@ def test_spheres_are_those_of_the_cpu(renderer, material, viewer, env):
     rm = prefilter(env, material, orders=(12, 4), size=64, layout="cube")
     scene = Scene([Object(Sphere(), rm)], CAMERA, env, viewer)
     assert compared(renderer, scene) < LARGEST[viewer]
+
+
+@pytest.mark.parametrize("method", [without_azimuth, IcosahedralMaps.of], ids=["no azimuth", "12 views"])
+@pytest.mark.parametrize("viewer", ["near", "distant"])
+@pytest.mark.parametrize("material", [MATERIALS[1], MATERIALS[3]], ids=lambda material: material.name)
+def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, method):
+    rm = prefilter(light("daylight"), material, orders=(12, 4), size=64, layout="cube")
+    scene = Scene([Object(Sphere(), method(rm)), Object(torus(), method(rm))], CAMERA, None, viewer)
+    assert compared(renderer, scene) < LARGEST[viewer]
+    turned = replace(scene, camera=Camera((1.0, -3.0, 2.5), fov=32.0))  # another triangle of views
+    assert compared(renderer, turned) < LARGEST[viewer]
 
 
 def test_both_ways_to_opengl_draw_the_same_pixels(contexts):
@@ -239,7 +252,7 @@ def test_nothing_piles_up_on_the_gpu(contexts):
 def test_what_cannot_be_drawn_is_said(contexts, glossy):
     renderer = Renderer(8, context=next(iter(contexts.values())))
     env = Environment.daylight(size=32)
-    with pytest.raises(TypeError, match=r"must be a shrm\.ReflectionMap to be drawn by the GPU, got Angular"):
+    with pytest.raises(TypeError, match=r"to be drawn by the GPU, got Angular"):
         renderer.render(Scene([Object(Sphere(), prefilter_angular(env, brdf.Phong(4)))], CAMERA))
     with pytest.raises(TypeError, match="a Mesh or a Sphere to be drawn, got NoneType"):
         renderer.render(Scene([Object(None, glossy)], CAMERA))

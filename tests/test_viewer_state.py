@@ -22,6 +22,7 @@ def unlike_the_default() -> State:
         up="z",
         tolerance=0.03,
         orders=(12, 2),
+        method="cabral",
         viewer="near",
         shown="difference",
         automatic=False,
@@ -42,6 +43,7 @@ def test_a_saved_state_is_read_as_it_was(tmp_path: Path) -> None:
     "change",
     [
         {"format": "something else"},
+        {"method": "guess"},
         {"viewer": "sideways"},
         {"shown": 3},
         {"tolerance": 2.0},

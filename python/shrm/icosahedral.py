@@ -40,6 +40,12 @@ def faces() -> npt.NDArray[np.intp]:
     return np.array(outward)
 
 
+@cache
+def coordinates() -> FloatArray:
+    """Return the matrices m, (20, 3, 3), for which view @ m are coordinates along a triangle's corners."""
+    return np.asarray(np.linalg.inv(icosahedron()[faces()]), np.float64)
+
+
 def weights(views: FloatArray) -> FloatArray:
     """Return the weights of the twelve views for others: spherical barycentric coordinates.
 
@@ -56,7 +62,7 @@ def weights(views: FloatArray) -> FloatArray:
         At least 0, of sum 1, and not 0 for at most three.
     """
     v = icosahedron()
-    inside = np.stack([views @ np.linalg.inv(v[face]) for face in faces()]).min(axis=2)  # (20, n)
+    inside = (views @ coordinates()).min(axis=2)  # (20, n)
     face = faces()[inside.argmax(axis=0)]
     a, b, c = v[face].transpose(1, 0, 2)
     shares = np.stack([solid_angle(views, b, c), solid_angle(a, views, c), solid_angle(a, b, views)], axis=1)
@@ -118,6 +124,11 @@ class IcosahedralMaps:
             raise ValueError(f"maps must be {len(views)}, got {len(pixels)}")
         one = [slice(k, k + 1) for k in range(len(views))]
         return cls(tuple(fit(pixels[k], views[k], P=0, center=center) for k in one))
+
+    @property
+    def clamp(self) -> bool:
+        """Whether negative radiance is set to zero when read."""
+        return self.maps[0].clamp
 
     @property
     def nbytes(self) -> int:

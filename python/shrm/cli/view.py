@@ -38,6 +38,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add("--up", choices=("y", "z"), help="the mesh file's upward axis (default y)")
     add_orders(command, default=0.1)
     command.set_defaults(tolerance=None)  # what is not given is as in --state
+    add(
+        "--method",
+        choices=("shrm", "kautz-mccool", "cabral"),
+        help="what the maps hold of the view: all that the orders do (default), no azimuth, or 12 views",
+    )
     viewer = command.add_mutually_exclusive_group()
     viewer.add_argument(
         "--distant",
@@ -97,6 +102,7 @@ def state(options: argparse.Namespace) -> State:
         "up": options.up,
         "tolerance": options.tolerance,
         "orders": options.orders,
+        "method": options.method,
         "viewer": options.viewer,
         "background": options.background,
         "exposure": options.exposure,

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import glfw
 
@@ -21,14 +21,15 @@ from shrm.viewer.orbit import Orbit, turned_light
 from shrm.viewer.panel import WIDTH, Action, Facts, Panel, draw_keys
 from shrm.viewer.renderer import Renderer
 from shrm.viewer.scene import Scene
-from shrm.viewer.screen import PLACES, Screen
-from shrm.viewer.state import UNTURNED, State
+from shrm.viewer.screen import Screen
+from shrm.viewer.state import UNTURNED, Method, State
 from shrm.viewer.window import Controls, listen, open_window
 from shrm.viewer.worker import Worker
 
 TITLE = "shrm: environment maps in frequency space"
 MESHES = (".ply", ".obj", ".glb", ".gltf", ".stl", ".off")
 STATE_FILE = "shrm-view.json"
+METHODS = get_args(Method)
 
 Drag = Literal["orbit", "pan", "light"]
 
@@ -111,7 +112,7 @@ class Application:
         while not glfw.window_should_close(self.window):
             self.frame()
             self._lively = max(0, self._lively - 1)
-            sampling = self.result is not None and self.screen.samples < len(PLACES)
+            sampling = self.result is not None and not self.screen.complete
             if self._lively or sampling:
                 glfw.poll_events()
             else:  # until something happens, or a worker has something
@@ -187,6 +188,7 @@ class Application:
             up=request.up,
             tolerance=request.tolerance,
             orders=request.orders,
+            method=request.method,
             selected=min(self.state.selected, len(request.materials) - 1),
         )
         self._asked = Request.of(self.state)
@@ -205,12 +207,12 @@ class Application:
             eye = (eye or Orbit()).fitted([bounds(shape) for shape in result.shapes], width / height)
             self.state, self._fit = replace(self.state, eye=eye), False
         background = result.environment if self.state.background else None
-        decides = (result.maps, result.shapes, eye, self.state.viewer, width, height, background)
+        decides = (result.drawn, result.shapes, eye, self.state.viewer, width, height, background)
         if decides != self._drawn:
             self._drawn, self.screen.samples = decides, 0
-        sampled = self.screen.samples < len(PLACES)
+        sampled = not self.screen.complete
         if sampled:
-            pairs = zip(result.shapes, result.maps, strict=True)
+            pairs = zip(result.shapes, result.drawn, strict=True)
             scene = Scene(
                 [Object(shape, material) for shape, material in pairs],
                 eye.camera,
@@ -268,7 +270,7 @@ class Application:
             *extent,
         )
         try:
-            self.comparison.show(question, self.state.shown == "difference", self.screen)
+            self.comparison.show(question, self.state.shown == "difference", self.screen, self._drawn)
         except Faults as fault:
             self._say_fault(fault)
             self._set(shown="maps")
@@ -335,6 +337,7 @@ class Application:
             glfw.KEY_R: lambda: self._set(light=UNTURNED),
             glfw.KEY_B: lambda: self._set(background=not self.state.background),
             glfw.KEY_E: self._expose_always,
+            glfw.KEY_M: lambda: self._set(method=METHODS[(METHODS.index(self.state.method) + 1) % 3]),
             glfw.KEY_1: lambda: self._set(shown="maps"),
             glfw.KEY_2: lambda: self._set(shown="integration"),
             glfw.KEY_3: lambda: self._set(shown="difference"),

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
+from shrm.render.picture import Picture
 from shrm.viewer.integration import Integrated, Integration, Question
 from shrm.viewer.screen import Screen
 from shrm.viewer.worker import Worker
@@ -21,9 +24,12 @@ class Comparison:
         self.worker: Worker[Question, Integrated] = Worker(Integration(), wake)
         self._question: Question | None = None
         self._ready: Integrated | None = None
+        self._measured: tuple[Integrated, object, float] | None = None
 
-    def show(self, question: Question, difference: bool, screen: Screen) -> None:
+    def show(self, question: Question, difference: bool, screen: Screen, drawn: object) -> None:
         """Show the answer to a question, or its difference from what is drawn; what is drawn until then.
+
+        `drawn` is equal as long as the picture that is drawn is the same but for its samples.
 
         Raises
         ------
@@ -37,10 +43,13 @@ class Comparison:
         if ready is not None and ready.question == question:
             self._ready = ready
             screen.keep_integrated(ready.picture)
-        if self._fits:
-            screen.show_integrated(difference)
-        else:
+        if not self._fits or self._ready is None:
             screen.show_drawn()
+            return
+        screen.show_integrated(difference)
+        if screen.complete and (self._measured is None or self._measured[:2] != (self._ready, drawn)):
+            error = relative_rms(screen.drawn_picture(), self._ready.picture)
+            self._measured = self._ready, drawn, error
 
     @property
     def says(self) -> str:
@@ -48,8 +57,29 @@ class Comparison:
         if not self._fits or self._ready is None:
             return "integrating ... (until then: from the maps)"
         coarseness = self._ready.coarseness
-        return "integrated" if coarseness == 1 else f"integrating ... 1/{coarseness} of the resolution so far"
+        how_far = "integrated" if coarseness == 1 else f"integrating ... at 1/{coarseness}"
+        if self._measured is None or self._measured[0] is not self._ready:
+            return how_far
+        return f"{how_far}: the maps are {100.0 * self._measured[2]:.2g} % off"
 
     @property
     def _fits(self) -> bool:
         return self._ready is not None and self._ready.question == self._question
+
+
+def relative_rms(drawn: Picture, integrated: Picture) -> float:
+    """Return the relative RMS difference of two pictures where both see nothing but objects, colours pooled.
+
+    The second may have fewer pixels: those of the first that lie at their middles are taken.
+    """
+    rows, columns = (
+        ((np.arange(few) + 0.5) * (many / few)).astype(int)
+        for few, many in zip(integrated.coverage.shape, drawn.coverage.shape, strict=True)
+    )
+    at = np.ix_(rows, columns)
+    inside = (drawn.coverage[at] == 1.0) & (integrated.coverage == 1.0)
+    expected = integrated.radiance[inside].astype(np.float64)
+    energy = (expected**2).sum()
+    return (
+        float(np.sqrt(((drawn.radiance[at][inside] - expected) ** 2).sum() / energy)) if energy > 0.0 else 0.0
+    )

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shrm import brdf
 from shrm.environment import Environment
+from shrm.explicit import without_azimuth
+from shrm.icosahedral import IcosahedralMaps
 from shrm.orders import ToleranceWarning, choose
 from shrm.reflection_map import ReflectionMap
 from shrm.relighting import Prefilter
@@ -23,8 +25,16 @@ from shrm.render.camera import FloatArray
 from shrm.render.mesh import Mesh
 from shrm.render.row import row_camera
 from shrm.render.shapes import Shape, Sphere
-from shrm.viewer.state import Rows, State, Up
+from shrm.viewer.state import Method, Rows, State, Up
 from shrm.viewer.worker import StaleError
+
+Drawn = ReflectionMap | IcosahedralMaps
+
+METHODS: Mapping[Method, Callable[[ReflectionMap], Drawn]] = {
+    "shrm": lambda rm: rm,
+    "kautz-mccool": without_azimuth,
+    "cabral": IcosahedralMaps.of,
+}
 
 DAYLIGHT = "daylight"
 SUN_AZIMUTH = 130.0  # the sun stands over the left shoulder of an eye that looks along +x
@@ -48,6 +58,7 @@ class Request:
     up: Up
     tolerance: float
     orders: tuple[int, int] | None
+    method: Method
     light: Rows
 
     @classmethod
@@ -61,6 +72,7 @@ class Request:
             state.up,
             state.tolerance,
             state.orders,
+            state.method,
             state.light,
         )
 
@@ -78,6 +90,8 @@ class Prefiltered:
         Spheres, or copies of the mesh, in a row.
     maps : tuple of ReflectionMap
         One for each material, of the turned light. Nothing writes to them any more.
+    drawn : tuple of ReflectionMap or IcosahedralMaps
+        What the method makes of them.
     seconds : float
         What the maps took, files not counted.
     errors : tuple of float, or None
@@ -90,6 +104,7 @@ class Prefiltered:
     environment: Environment
     shapes: tuple[Shape, ...]
     maps: tuple[ReflectionMap, ...]
+    drawn: tuple[Drawn, ...]
     seconds: float
     errors: tuple[float, ...] | None
     notes: tuple[str, ...]
@@ -121,16 +136,18 @@ class Lighting:
         start = time.perf_counter()
         R = np.asarray(request.light, np.float64)
         del self._objects[len(request.materials) :]
-        maps = []
+        maps, drawn = [], []
         for index, text in enumerate(request.materials):
             if stale():
                 raise StaleError
             if index == len(self._objects):
                 self._objects.append(_Lit())
-            maps.append(self._objects[index].relit(environment, text, request, R))
+            lit = self._objects[index]
+            maps.append(lit.relit(environment, text, request, R))
+            drawn.append(lit.drawn_by(request.method))
         seconds = time.perf_counter() - start
         known = [thing.error for thing in self._objects]
-        answer = Prefiltered(request, environment, shapes, tuple(maps), seconds, None, notes)
+        answer = Prefiltered(request, environment, shapes, tuple(maps), tuple(drawn), seconds, None, notes)
         if None not in known:
             yield replace(answer, errors=tuple(e for e in known if e is not None))
             return
@@ -185,6 +202,7 @@ class _Lit:
         self._accuracy: object = None
         self._R: FloatArray = np.eye(3)
         self._map: ReflectionMap | None = None  # given away last
+        self._drawn: tuple[ReflectionMap, Method, Drawn] | None = None  # the same, made of a map by a method
         self.error: float | None = None
 
     def relit(self, environment: Environment, text: str, request: Request, R: FloatArray) -> ReflectionMap:
@@ -208,6 +226,13 @@ class _Lit:
         parts = tuple(replace(part, rings=part.rings.copy()) for part in relit.parts)
         self._map = replace(relit, parts=parts)
         return self._map
+
+    def drawn_by(self, method: Method) -> Drawn:
+        """Return what a method makes of the maps given away last."""
+        assert self._map is not None
+        if self._drawn is None or self._drawn[0] is not self._map or self._drawn[1] != method:
+            self._drawn = self._map, method, METHODS[method](self._map)
+        return self._drawn[2]
 
     def _renew(
         self, environment: Environment, material: brdf.BRDF, request: Request, only_material: bool

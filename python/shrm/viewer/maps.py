@@ -1,4 +1,4 @@
-"""Reflection maps on the GPU: one dynamic cube map for a distant viewer, all coefficient maps for a near one.
+"""Maps on the GPU: one dynamic cube map for a distant viewer, all maps of a lobe for a near one.
 
 References
 ----------
@@ -7,14 +7,20 @@ References
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from typing import Any
+
 import moderngl
 import numpy as np
 
+from shrm.brdf.lobe import Center
+from shrm.icosahedral import IcosahedralMaps, weights
 from shrm.reflection_map import Part
 from shrm.render.camera import FloatArray
-from shrm.rings import BORDER, Float32Array
+from shrm.rings import Float32Array
+from shrm.viewer.programs import Maps
 
-CENTERS = {"reflection": 0, "normal": 1, "tangent": 2, "lobe": 3}
+CENTERS: dict[Center, int] = {"reflection": 0, "normal": 1, "tangent": 2, "lobe": 3}
 
 
 def as_cube(part: Part, size: int) -> Part:
@@ -32,74 +38,130 @@ def as_cube(part: Part, size: int) -> Part:
     return part.resized(size, "cube")
 
 
-class LobeMaps:
+class Lobe(ABC):
     """The maps of one lobe, as textures that are made when they are first drawn with.
-
-    Parameters
-    ----------
-    gl : moderngl.Context
-    part : Part
-    size : int
-        Edge of the faces that lat-long maps are made anew for.
 
     Attributes
     ----------
-    part : Part
-        The maps on a cube.
+    near : Maps
+        The program that draws it for a near viewer.
+    gamma : moderngl.Texture
+        The angle between C and N over theta_v, one row.
+    uniforms : dict
+        What the programs are told of it.
     """
 
-    def __init__(self, gl: moderngl.Context, part: Part, size: int) -> None:
+    near: Maps
+
+    def __init__(self, gl: moderngl.Context, size: int) -> None:
+        """`size` is the edge of the faces that lat-long maps are made anew for."""
         self._gl, self._size = gl, size
-        self.part = as_cube(part, size)
-        self.gamma = self._gamma()
+        self.gamma = self._gamma(np.zeros(2))
+        self.uniforms: dict[str, Any] = {}
         self._dynamic: moderngl.TextureCube | None = None
-        self._factored: moderngl.TextureArray | None = None
-        self._pixels = np.empty(self.part.shape, np.float32)
-        self._written: Part | None = None  # what `_factored` holds
+        self._layered: moderngl.TextureArray | None = None
+        self._written = False  # whether `_layered` holds the maps
+        self._pixels: Float32Array = np.empty((6, 0, 0, 3), np.float32)
 
-    def renew(self, part: Part) -> None:
-        """Take other maps of the same shape."""
-        self.part = as_cube(part, self._size)
+    def _take(self, part: Part, **uniforms: Any) -> None:
+        """Take the centre of other maps, which have the shape of those before them."""
         self.gamma.release()
-        self.gamma = self._gamma()
+        self.gamma = self._gamma(part.gamma if len(part.gamma) else np.zeros(2))
+        self.uniforms = {"center": CENTERS[part.center], **uniforms}
+        self._written = False
+        if self._pixels.shape != part.shape:
+            self._pixels = np.empty(part.shape, np.float32)
 
-    def _gamma(self) -> moderngl.Texture:
-        """The angle between C and N over theta_v, a texture of one row."""
-        table = self.part.gamma if len(self.part.gamma) else np.zeros(2)
+    def _gamma(self, table: FloatArray) -> moderngl.Texture:
         return self._gl.texture((len(table), 1), 1, table.astype(np.float32).tobytes(), dtype="f4")
 
     def dynamic(self, view: FloatArray) -> moderngl.TextureCube:
         """Return the map for a distant viewer, view (1, 3) unit, an ordinary cube map [RH02 eq. 12]."""
-        N = self.part.size
+        N = self._pixels.shape[1]
         if self._dynamic is None:
             self._dynamic = self._gl.texture_cube((N, N), 3, dtype="f4")
             self._dynamic.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        self.part.sum_for_view(view, self._pixels)
+        self._sum(view, self._pixels)
         for face in range(6):
             self._dynamic.write(face, self._pixels[face])
         return self._dynamic
 
-    def factored(self) -> moderngl.TextureArray:
+    def layered(self) -> moderngl.TextureArray:
         """Return all maps, with their borders, for a near viewer: layer face * maps + z."""
-        if self._written is not self.part:
-            layers = self._layers()
-            if self._factored is None:
-                self._factored = self._gl.texture_array((*layers.shape[2:0:-1], len(layers)), 3, dtype="f4")
-                self._factored.filter = (moderngl.LINEAR, moderngl.LINEAR)
-            self._factored.write(layers)
-            self._written = self.part
-        assert self._factored is not None
-        return self._factored
+        if not self._written:
+            rings = self._rings()
+            maps, side = rings.shape[1], rings.shape[3]
+            faces = rings.reshape(6, side, maps, 3, side).transpose(0, 2, 1, 4, 3)
+            if self._layered is None:
+                self._layered = self._gl.texture_array((side, side, 6 * maps), 3, dtype="f4")
+                self._layered.filter = (moderngl.LINEAR, moderngl.LINEAR)
+            self._layered.write(np.ascontiguousarray(faces, np.float32))
+            self._written = True
+        assert self._layered is not None
+        return self._layered
 
-    def _layers(self) -> Float32Array:
-        """(6 maps, side, side, 3)."""
-        side, maps = self.part.size + 2 * BORDER, self.part.rings.shape[1]
-        faces = self.part.rings.reshape(6, side, maps, 3, side)
-        layers = faces.transpose(0, 2, 1, 4, 3).reshape(6 * maps, side, side, 3)
-        return np.ascontiguousarray(layers, np.float32)
+    @abstractmethod
+    def _sum(self, view: FloatArray, pixels: Float32Array) -> None:
+        """Put the map for a view into pixels (6, N, N, 3)."""
+
+    @abstractmethod
+    def _rings(self) -> Float32Array:
+        """All maps, as `shrm.rings` has them: (H, maps, 3, side)."""
 
     def release(self) -> None:
         """Free what it holds on the GPU."""
-        for texture in (self.gamma, self._dynamic, self._factored):
+        for texture in (self.gamma, self._dynamic, self._layered):
             if texture is not None:
                 texture.release()
+
+
+class LobeMaps(Lobe):
+    """The coefficient maps of a SHRM's lobe."""
+
+    near = "factored"
+
+    def __init__(self, gl: moderngl.Context, part: Part, size: int) -> None:
+        super().__init__(gl, size)
+        self.renew(part)
+
+    def renew(self, part: Part) -> None:
+        """Take other maps of the same shape."""
+        self._part = as_cube(part, self._size)
+        self._take(self._part, P=self._part.P, zonal=self._part.zonal)
+
+    def _sum(self, view: FloatArray, pixels: Float32Array) -> None:
+        self._part.sum_for_view(view, pixels)
+
+    def _rings(self) -> Float32Array:
+        return np.asarray(self._part.rings, np.float32)
+
+
+class IcosahedralLobe(Lobe):
+    """Cabral's twelve maps of a lobe, number `index` of the material's."""
+
+    near = "icosahedral"
+
+    def __init__(self, gl: moderngl.Context, index: int, size: int, material: IcosahedralMaps) -> None:
+        super().__init__(gl, size)
+        self._index = index
+        self.renew(material)
+
+    def renew(self, material: IcosahedralMaps) -> None:
+        """Take other maps of the same shape."""
+        self._parts = [as_cube(rm.parts[self._index], self._size) for rm in material.maps]
+        self._take(self._parts[0])
+        self._of_views: Float32Array | None = None
+
+    def _sum(self, view: FloatArray, pixels: Float32Array) -> None:
+        if self._of_views is None:
+            self._of_views = np.empty((len(self._parts), *pixels.shape), np.float32)
+            for part, of_view in zip(self._parts, self._of_views, strict=True):
+                part.sum_for_view(view, of_view)  # P = 0: the same for all views
+        pixels[:] = 0.0
+        (shares,) = weights(view)
+        for k in np.flatnonzero(shares):
+            pixels += np.float32(shares[k]) * self._of_views[k]
+
+    def _rings(self) -> Float32Array:
+        constant = np.float32(1.0 / np.sqrt(4.0 * np.pi))  # Y_00
+        return constant * np.concatenate([part.rings for part in self._parts], axis=1)

@@ -11,13 +11,14 @@ from typing import Literal
 from slimgui import imgui
 
 from shrm import brdf
+from shrm.icosahedral import IcosahedralMaps
 from shrm.reflection_map import ReflectionMap
 from shrm.viewer.integration import ROWS
 from shrm.viewer.lighting import DAYLIGHT, F_MAX, P_MAX, Prefiltered
 from shrm.viewer.materials import KINDS, kind_of, value_of, with_value
 from shrm.viewer.scene import Viewer
 from shrm.viewer.screen import AMPLIFIED
-from shrm.viewer.state import UNTURNED, Shown, State
+from shrm.viewer.state import UNTURNED, Method, Shown, State
 
 WIDTH = 380
 MOST_OBJECTS = 8
@@ -37,6 +38,7 @@ KEYS = (
     ("R", "turn the light back"),
     ("E", "exposure from the picture, always"),
     ("B", "environment behind the objects on or off"),
+    ("M", "next method: all of the view, without azimuth, 12 views"),
     ("1  2  3", "reflection maps, direct integration, difference"),
     ("Tab", "panel on or off"),
     ("S", "screenshot: .png as shown, .exr linear"),
@@ -45,27 +47,44 @@ KEYS = (
     ("Esc, Q", "quit"),
 )
 
+METHODS: tuple[tuple[Method, str, str], ...] = (
+    (
+        "shrm",
+        "all of the view (Ramamoorthi & Hanrahan)",
+        "Harmonics of the view to the order P: (P + 1)^2 maps.",
+    ),
+    (
+        "kautz-mccool",
+        "without its azimuth (Kautz & McCool)",
+        "Lobes are held symmetric about their centre for every view: P + 1 maps.",
+    ),
+    (
+        "cabral",
+        "12 views, blended (Cabral et al.)",
+        "Maps for the views of an icosahedron; between them, a blend of the nearest three.",
+    ),
+)
 VIEWERS: tuple[tuple[Viewer, str, str], ...] = (
     (
         "distant",
-        "one dynamic map per frame (eq. 12)",
-        "The viewer is far away: all maps are summed for one view vector, and each pixel is one look-up.",
+        "distant (eq. 12)",
+        "One dynamic map per frame: all maps are summed for one view vector, and each pixel is one look-up.",
     ),
     (
         "near",
-        "summed per pixel (eq. 6, 7)",
-        "Each pixel has a view vector of its own and sums all maps for it.",
+        "near (eq. 6, 7)",
+        "Summed per pixel: each has a view vector of its own and sums all maps for it.",
     ),
 )
 SHOWN: tuple[tuple[Shown, str, str], ...] = (
-    ("maps", "reflection maps", "Frequency space: what this program is about."),
+    ("maps", "maps", "Frequency space: what this program is about."),
     (
         "integration",
-        "direct integration (eq. 10)",
-        f"The same picture by summing over the light, averaged to {2 * ROWS} x {ROWS} texels, in every pixel;"
-        " in the background, coarse first.",
+        "integral",
+        f"The same picture by direct integration (eq. 10): a sum over the light, averaged to {2 * ROWS} x "
+        f"{ROWS} texels, in every pixel; in the background, coarse first.",
     ),
-    ("difference", f"difference of both, x{AMPLIFIED:g}", "Absolute, on objects; black is none."),
+    ("difference", f"difference x{AMPLIFIED:g}", "Absolute, on objects; black is none."),
 )
 
 
@@ -263,7 +282,9 @@ class Panel:
         if mine is None or facts.result is None:
             imgui.text_colored(GREY, "prefiltering ...")
             return state
-        maps = sum(part.rings.shape[1] for part in mine.parts)
+        drawn = facts.result.drawn[min(state.selected, len(facts.result.drawn) - 1)]
+        held = drawn.maps if isinstance(drawn, IcosahedralMaps) else (drawn,)
+        maps = sum(part.rings.shape[1] for rm in held for part in rm.parts)
         word = "map" if maps == 1 else "maps"
         imgui.text(f"F = {mine.F}, P = {mine.P}: {maps} {word}, 6 x {mine.size} x {mine.size}")
         errors = facts.result.errors
@@ -272,7 +293,8 @@ class Panel:
             return state
         error = errors[state.selected]
         missed = state.orders is None and error > 1.01 * state.tolerance
-        text = f"predicted error: {100.0 * error:.2g} %"
+        whose = "predicted error" if state.method == "shrm" else "with all of the view, predicted error"
+        text = f"{whose}: {100.0 * error:.2g} %"
         if missed:
             _wrapped(YELLOW, f"{text}; this window stops at F = {F_MAX}, P = {P_MAX}")
         else:
@@ -281,12 +303,21 @@ class Panel:
 
     def _method(self, state: State, facts: Facts) -> State:
         imgui.separator_text("Method")
+        for method, label, meaning in METHODS:
+            if self._radio(label, state.method == method):
+                state = replace(state, method=method)
+            _explain(meaning)
+        imgui.align_text_to_frame_padding()
+        imgui.text("viewer")
         for viewer, label, meaning in VIEWERS:
+            imgui.same_line()
             if self._radio(label, state.viewer == viewer):
                 state = replace(state, viewer=viewer)
             _explain(meaning)
-        imgui.separator_text("Shown")
+        imgui.align_text_to_frame_padding()
+        imgui.text("shown ")
         for shown, label, meaning in SHOWN:
+            imgui.same_line()
             if self._radio(label, state.shown == shown):
                 state = replace(state, shown=shown)
             _explain(meaning)

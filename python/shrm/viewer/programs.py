@@ -9,8 +9,11 @@ from typing import Any, Literal
 import moderngl
 import numpy as np
 
+from shrm.explicit import icosahedron
+from shrm.icosahedral import coordinates, faces
+
 Surface = Literal["mesh", "sphere"]
-Maps = Literal["dynamic", "factored"]
+Maps = Literal["dynamic", "factored", "icosahedral"]
 
 
 @lru_cache
@@ -21,14 +24,28 @@ def source(name: str) -> str:
 
 def object_program(gl: moderngl.Context, surface: Surface, maps: Maps) -> moderngl.Program:
     """Return the program that draws one lobe of an object."""
-    parts = ("surface.glsl", f"{surface}.glsl", "central_direction.glsl", f"{maps}_map.glsl", "object.frag")
+    layered = () if maps == "dynamic" else ("bordered_maps.glsl",)
+    looked_up = ("central_direction.glsl", *layered, f"{maps}_map.glsl")
+    parts = ("surface.glsl", f"{surface}.glsl", *looked_up, "object.frag")
     fragment = "\n".join(["#version 330 core", *map(source, parts)])
-    return gl.program(vertex_shader=source(f"{surface}.vert"), fragment_shader=fragment)
+    program = gl.program(vertex_shader=source(f"{surface}.vert"), fragment_shader=fragment)
+    if maps == "icosahedral":
+        set_arrays(program, vertices=icosahedron(), faces=faces(), coordinates=coordinates())
+    return program
 
 
 def screen_program(gl: moderngl.Context, name: str) -> moderngl.Program:
     """Return a program that fills the picture: its fragments are those of `name`."""
     return gl.program(vertex_shader=source("screen.vert"), fragment_shader=source(name))
+
+
+def set_arrays(program: moderngl.Program, **values: np.ndarray) -> None:
+    """Set uniforms that are arrays of vectors, or of matrices column by column."""
+    for name, value in values.items():
+        uniform = program[name]
+        assert isinstance(uniform, moderngl.Uniform)
+        kind = np.int32 if np.issubdtype(value.dtype, np.integer) else np.float32
+        uniform.write(np.ascontiguousarray(value, kind).tobytes())
 
 
 def set_uniforms(program: moderngl.Program, **values: Any) -> None:

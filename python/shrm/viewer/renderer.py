@@ -7,11 +7,13 @@ References
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import moderngl
 import numpy as np
 
+from shrm.icosahedral import IcosahedralMaps
 from shrm.reflection_map import ReflectionMap
 from shrm.render.camera import FloatArray
 from shrm.render.picture import FloatPixels, Lighting, Object, Picture
@@ -19,7 +21,7 @@ from shrm.rings import BORDER
 from shrm.validation import whole_number
 from shrm.viewer.context import Context, offscreen
 from shrm.viewer.geometry import Geometry, clip_from_world
-from shrm.viewer.maps import CENTERS, LobeMaps
+from shrm.viewer.maps import IcosahedralLobe, Lobe, LobeMaps
 from shrm.viewer.programs import Maps, Surface, object_program, screen_program, set_uniforms
 from shrm.viewer.resources import Resources
 from shrm.viewer.scene import Scene
@@ -171,15 +173,19 @@ class Renderer:
         self, index: int, thing: Object, view: FloatArray, eye: dict[str, Any], target: moderngl.Framebuffer
     ) -> None:
         gl, get = self.gl, self.resources.get
-        if not isinstance(thing.material, ReflectionMap):
-            name = type(thing.material).__name__
-            raise TypeError(f"a material must be a shrm.ReflectionMap to be drawn by the GPU, got {name}")
+        material = thing.material
+        if not isinstance(material, ReflectionMap | IcosahedralMaps):
+            raise TypeError(
+                "a material must be a shrm.ReflectionMap or shrm.icosahedral.IcosahedralMaps to be drawn by "
+                f"the GPU, got {type(material).__name__}"
+            )
+        lobes = self._lobes(index, material)
         shape = get(("shape", index), thing.shape, lambda shape: Geometry(gl, shape))
         picture = self._white
         if thing.texture is not None:
             picture = get(("texture", index), thing.texture, lambda pixels: _texture(gl, pixels))
         picture.use(2)
-        program = self._program(shape, eye["distant"])
+        program = self._program(shape, "dynamic" if eye["distant"] else lobes[0].near)
         set_uniforms(
             program,
             **eye,
@@ -189,19 +195,16 @@ class Renderer:
             gamma=1,
             picture=2,
             border=BORDER,
-            clamped=thing.material.clamp,
+            clamped=material.clamp,
             axis=tuple(map(float, thing.axis)),
         )
         # A sphere's pixels are those of the far side of its box.
         (gl.disable if shape.sphere is None else gl.enable)(moderngl.CULL_FACE)
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        for k, given in enumerate(thing.material.parts):
-            key = ("lobe", index, k, given.rings.shape)
-            lobe = get(key, given, lambda part: LobeMaps(gl, part, self.map_size), LobeMaps.renew)
-            (lobe.dynamic(view) if eye["distant"] else lobe.factored()).use(0)
+        for k, lobe in enumerate(lobes):
+            (lobe.dynamic(view) if eye["distant"] else lobe.layered()).use(0)
             lobe.gamma.use(1)
-            part = lobe.part
-            set_uniforms(program, center=CENTERS[part.center], P=part.P, zonal=part.zonal, first_lobe=k == 0)
+            set_uniforms(program, **lobe.uniforms, first_lobe=k == 0)
             if k == 1:  # further lobes are added where the first one is seen
                 gl.enable(moderngl.BLEND)
                 gl.depth_func = "=="
@@ -211,11 +214,23 @@ class Renderer:
         gl.depth_func = "<"
         target.depth_mask = True
 
-    def _program(self, shape: Geometry, distant: bool) -> moderngl.Program:
-        key: tuple[Surface, Maps] = (
-            "mesh" if shape.sphere is None else "sphere",
-            "dynamic" if distant else "factored",
-        )
+    def _lobes(self, index: int, material: ReflectionMap | IcosahedralMaps) -> list[Lobe]:
+        """The maps of an object's lobes on the GPU."""
+        gl, size, get = self.gl, self.map_size, self.resources.get
+        lobes: list[Lobe] = []
+        if isinstance(material, ReflectionMap):
+            for k, part in enumerate(material.parts):
+                key = ("lobe", index, k, part.rings.shape)
+                lobes.append(get(key, part, lambda part: LobeMaps(gl, part, size), LobeMaps.renew))
+        else:
+            for k, part in enumerate(material.maps[0].parts):
+                key = ("icosahedral", index, k, part.rings.shape)
+                make = partial(IcosahedralLobe, gl, k, size)
+                lobes.append(get(key, material, make, IcosahedralLobe.renew))
+        return lobes
+
+    def _program(self, shape: Geometry, maps: Maps) -> moderngl.Program:
+        key: tuple[Surface, Maps] = "mesh" if shape.sphere is None else "sphere", maps
         if key not in self._programs:
             self._programs[key] = object_program(self.gl, *key)
         return self._programs[key]

@@ -77,6 +77,11 @@ class Screen:
         self._mean_of.draw(self._next_mean, drawn=self.drawn, before=self._mean, weight=1.0 / self.samples)
         self._mean, self._next_mean = self._next_mean, self._mean
 
+    @property
+    def complete(self) -> bool:
+        """Whether every pixel has all its samples."""
+        return self.samples == len(PLACES)
+
     def keep_integrated(self, picture: Picture) -> None:
         """Put a picture by integration, of any size, on the GPU in place of the last one."""
         pixels = np.concatenate([picture.radiance, picture.coverage[..., None]], axis=2)[::-1]

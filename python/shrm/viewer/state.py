@@ -16,6 +16,7 @@ from shrm.validation import one_of, rotation
 from shrm.viewer.orbit import Orbit
 from shrm.viewer.scene import Viewer
 
+Method = Literal["shrm", "kautz-mccool", "cabral"]
 Shown = Literal["maps", "integration", "difference"]
 Up = Literal["y", "z"]
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
@@ -45,6 +46,9 @@ class State:
         Relative RMS error wanted of the reflected light; chooses the orders.
     orders : (F, P), optional
         The orders themselves, in place of a tolerance.
+    method : {"shrm", "kautz-mccool", "cabral"}
+        All that the orders hold of the reflected light; the same without the azimuth of the view; or twelve
+        views of it and blends between them (`shrm.explicit.without_azimuth`, `shrm.icosahedral`).
     viewer : {"distant", "near"}
         One dynamic map per frame [RH02 eq. 12], or all maps summed in every pixel [RH02 eq. 6, 7].
     shown : {"maps", "integration", "difference"}
@@ -75,6 +79,7 @@ class State:
     up: Up = "y"
     tolerance: float = 0.1
     orders: tuple[int, int] | None = None
+    method: Method = "shrm"
     viewer: Viewer = "distant"
     shown: Shown = "maps"
     automatic: bool = True
@@ -96,6 +101,7 @@ class State:
         if not all(isinstance(text, str) for text in self.materials):
             raise ValueError(f"materials must be one text or more, got {self.materials!r}")
         one_of("up", self.up, get_args(Up))
+        one_of("method", self.method, get_args(Method))
         one_of("viewer", self.viewer, get_args(Viewer))
         one_of("shown", self.shown, get_args(Shown))
         require_tolerance(self.tolerance)

@@ -2,6 +2,6 @@
 // OpenGL's with +Z front (the world's +x), +X right (-y) and +Y up (+z).
 uniform samplerCube reflection_map;
 
-vec3 reflected(vec3 c, vec3 v) {
+vec3 reflected(vec3 c, vec3 v, vec3 towards_eye) {
     return texture(reflection_map, vec3(-c.y, c.z, c.x)).rgb;
 }

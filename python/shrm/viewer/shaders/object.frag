@@ -18,9 +18,9 @@ vec3 tangent_around(vec3 n) {
 void main() {
     Surface surface;
     if (!find_surface(surface)) discard;
-    vec3 n = surface.normal, v = distant ? -forward : surface.towards_eye;
+    vec3 n = surface.normal, towards_eye = distant ? -forward : surface.towards_eye, v = towards_eye;
     vec3 c = central_direction(n, tangent_around(n), v);
-    vec3 light = reflected(c, v);
+    vec3 light = reflected(c, v, towards_eye);
     if (clamped) light = max(light, 0.0);
     radiance = vec4(light * texture(picture, surface.uv).rgb, first_lobe ? 1.0 : 0.0);
 }
