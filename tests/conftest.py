@@ -1,6 +1,6 @@
-"""Fixtures of the command line: a small environment in a file, and the command in this process."""
+"""Fixtures: a small environment in a file, the command in this process, a display, windows."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +38,26 @@ def shrm(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, st
         return status, out, err
 
     return run
+
+
+@pytest.fixture(scope="module")
+def screen() -> Iterator[None]:
+    """A display."""
+    from window_driver import display
+
+    with display():
+        yield
+
+
+@pytest.fixture
+def opened(
+    screen: None, sky: Path, tmp_path: Path, request: pytest.FixtureRequest
+) -> Iterator[Callable[..., object]]:
+    """Open windows; see `window_driver.windows`."""
+    from window_driver import windows
+
+    with windows(sky, tmp_path, request.node.name) as opened:
+        yield opened
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
