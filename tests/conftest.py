@@ -58,8 +58,3 @@ def opened(
 
     with windows(sky, tmp_path, request.node.name) as opened:
         yield opened
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run the tests of the window first: GLX refuses a thread in which EGL or OSMesa has a context."""
-    items.sort(key=lambda item: item.path.stem != "test_viewer_window")

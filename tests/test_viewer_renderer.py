@@ -1,5 +1,6 @@
 """The GPU's pictures against those of the CPU, on every way to OpenGL without a display."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 
@@ -18,7 +19,7 @@ CAMERA = Camera((4.0, 2.0, 1.5), fov=32.0)
 
 
 @pytest.fixture(scope="module")
-def contexts() -> dict[str, Context]:
+def contexts() -> Iterator[dict[str, Context]]:
     """Every way that this machine has."""
     found = {}
     for route in ("egl", "osmesa"):
@@ -27,7 +28,9 @@ def contexts() -> dict[str, Context]:
         except ContextError:
             continue
     assert found, "neither EGL nor OSMesa"
-    return found
+    yield found
+    for context in found.values():
+        context.release()
 
 
 @pytest.fixture(scope="module", params=["egl", "osmesa"])

@@ -155,7 +155,8 @@ def windows(sky: Path, folder: Path, test: str) -> Iterator[Opened]:
         yield open_
     finally:
         for hands in opened:
-            hands.app.close()
+            if not hands.app.context.released:  # a test may have closed it
+                hands.app.close()
             if hands.seen is not None:
                 SCREENSHOTS.mkdir(parents=True, exist_ok=True)
                 name = re.sub(r"[^\w.]+", "-", test).strip("-")  # without the brackets of parameters

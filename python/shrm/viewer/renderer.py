@@ -17,7 +17,7 @@ from shrm.render.camera import FloatArray
 from shrm.render.picture import FloatPixels, Lighting, Object, Picture
 from shrm.rings import BORDER
 from shrm.validation import whole_number
-from shrm.viewer.context import Context, offscreen
+from shrm.viewer.context import Context, ContextError, offscreen
 from shrm.viewer.geometry import Geometry, clip_from_world
 from shrm.viewer.maps import CENTERS, LobeMaps
 from shrm.viewer.programs import Maps, Surface, object_program, screen_program, set_uniforms
@@ -40,12 +40,13 @@ class Renderer:
     map_size : int
         Edge of the cubes' faces that lat-long maps are made anew for.
     context : Context, optional
-        Where to draw; by default one without a display (`shrm.viewer.context.offscreen`).
+        Where to draw, and the caller's to release; by default one of its own without a display
+        (`shrm.viewer.context.offscreen`).
 
     Raises
     ------
     ContextError
-        If there is no OpenGL.
+        If there is no OpenGL, or the renderer was released.
     TypeError, ValueError
         If an argument is not as described.
     """
@@ -63,7 +64,10 @@ class Renderer:
         self.height = whole_number("height", height, 1, LARGEST)
         self.samples = whole_number("samples", samples, 1, 64)
         self.map_size = whole_number("map_size", map_size, 1, 4096)
+        self._owns_context = context is None
+        self._released = False
         self.context = offscreen() if context is None else context
+        self.context.activate()
         gl = self.gl = self.context.gl
         gl.enable_direct(SEAMLESS)
         self.resources = Resources()
@@ -89,6 +93,7 @@ class Renderer:
         TypeError, ValueError
             If a material is no reflection map, or a shape is neither a mesh nor a sphere.
         """
+        self._check()
         self.context.activate()
         n = self.samples
         total = np.zeros((self.height, self.width, 4), np.float32)
@@ -109,21 +114,34 @@ class Renderer:
         pixels = np.frombuffer(self._target.read(components=4, dtype="f4"), np.float32)
         return pixels.reshape(self.height, self.width, 4)[::-1]  # OpenGL's rows run upwards
 
+    def _check(self) -> None:
+        if self._released:
+            raise ContextError("the renderer was released: it cannot draw any more")
+
     def release(self) -> None:
-        """Free what it holds on the GPU."""
+        """Free what it holds on the GPU, and its context unless it was given one; it cannot draw then."""
+        released, self._released = self._released or self.context.released, True
+        if released:
+            return
         self.context.activate()
         self.resources.release()
         for program in (*self._programs.values(), self._background):
             program.release()
         for held in (self._screen, self._white, *self._target.color_attachments, self._target):
             held.release()
+        if self._owns_context:
+            self.context.release()
 
     # ---- Drawing
 
     def draw(
         self, scene: Scene, target: moderngl.Framebuffer, shift: tuple[float, float] = (0.0, 0.0)
     ) -> None:
-        """Draw linear radiance into a framebuffer of floats with depth; alpha is the coverage."""
+        """Draw linear radiance into a framebuffer of floats with depth; alpha is the coverage.
+
+        The renderer's context must be current (`Context.activate`).
+        """
+        self._check()
         gl = self.gl
         target.use()
         gl.disable(moderngl.BLEND)
