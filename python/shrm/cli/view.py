@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from shrm.cli.options import LAYOUTS, add_orders, extent, number, parse_brdf
+from shrm.cli.options import LAYOUTS, add_orders, add_viewer, extent, number, parse_brdf
 
 if TYPE_CHECKING:
     from shrm.viewer.state import State
@@ -37,22 +37,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--up", choices=("y", "z"), help="the mesh file's upward axis (default y)")
     add_orders(command, default=0.1)
-    command.set_defaults(tolerance=None)  # what is not given is as in --state
-    viewer = command.add_mutually_exclusive_group()
-    viewer.add_argument(
-        "--distant",
-        dest="viewer",
-        action="store_const",
-        const="distant",
-        help="one view vector for the whole picture: a dynamic map per frame (default)",
-    )
-    viewer.add_argument(
-        "--near",
-        dest="viewer",
-        action="store_const",
-        const="near",
-        help="each pixel has its own view vector and sums all maps",
-    )
+    add_viewer(command, default="distant")
+    command.set_defaults(tolerance=None, viewer=None)  # what is not given is as in --state
     add("--exposure", type=number, metavar="STOPS", help="(default: from the picture)")
     add(
         "--background",
