@@ -215,6 +215,30 @@ def test_the_background_turns_with_the_light(renderer, glossy):
     assert oracles.relative_rms(turned.radiance.reshape(-1, 3), expected) < 1e-3
 
 
+@pytest.mark.parametrize("size", [(128, 256), (64, 256), (64, 64), (128, 64)])
+def test_a_background_too_large_for_a_texture_is_averaged_down(renderer, glossy, monkeypatch, size):
+    env = light("daylight").resized(*size)
+    renderer.resources.release()
+    monkeypatch.setitem(renderer.gl.info, "GL_MAX_TEXTURE_SIZE", 64)
+    found = renderer.render(Scene([Object(Sphere(), glossy)], CAMERA, env))
+    fitting = env.resized(min(size[0], 64), 64)
+    expected = renderer.render(Scene([Object(Sphere(), glossy)], CAMERA, fitting))
+    np.testing.assert_array_equal(found.radiance, expected.radiance)
+    assert renderer.gl.error == "GL_NO_ERROR"
+
+
+def test_a_texture_too_large_is_said(renderer, glossy, monkeypatch):
+    monkeypatch.setitem(renderer.gl.info, "GL_MAX_TEXTURE_SIZE", 16)
+    for shape in ((16, 17, 3), (17, 16, 3)):
+        scene = Scene([Object(Sphere(), glossy, np.ones(shape, np.float32))], CAMERA)
+        with pytest.raises(
+            ValueError, match=rf"^a texture of {shape[1]} x {shape[0]} texels .*: at most 16 .*$"
+        ):
+            renderer.render(scene)
+    fits = Object(Sphere(), glossy, np.ones((16, 16, 3), np.float32))
+    assert renderer.render(Scene([fits], CAMERA)).coverage.any()
+
+
 def test_lat_long_maps_are_made_anew_as_cubes(renderer, glossy):
     env = Environment.daylight(size=64)
     maps = prefilter(env, brdf.GGX(0.4), orders=(10, 3))

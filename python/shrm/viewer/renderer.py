@@ -12,6 +12,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from shrm.environment import Environment
 from shrm.reflection_map import ReflectionMap
 from shrm.render.camera import FloatArray
 from shrm.render.picture import FloatPixels, Lighting, Object, Picture
@@ -91,7 +92,8 @@ class Renderer:
         Raises
         ------
         TypeError, ValueError
-            If a material is no reflection map, or a shape is neither a mesh nor a sphere.
+            If a material is no reflection map, a shape is neither a mesh nor a sphere, or a texture is larger
+            than OpenGL's can be here. (A background is averaged down to fit.)
         """
         self._check()
         self.context.activate()
@@ -240,10 +242,15 @@ class Renderer:
 
 
 class _Environment:
-    """A lat-long picture on the GPU, and the mean radiance of its first and last row."""
+    """A lat-long picture on the GPU, and the mean radiance of its first and last row.
+
+    Where it is larger than a texture can be, it is averaged down to fit.
+    """
 
     def __init__(self, gl: moderngl.Context, pixels: FloatPixels) -> None:
-        H, W = pixels.shape[:2]
+        H, W = (min(side, _largest_texture(gl)) for side in pixels.shape[:2])
+        if pixels.shape[:2] != (H, W):
+            pixels = Environment(pixels).resized(H, W).pixels
         self.texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels, np.float32), dtype="f4")
         self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self.texture.repeat_x, self.texture.repeat_y = True, False
@@ -256,6 +263,15 @@ class _Environment:
 def _texture(gl: moderngl.Context, pixels: FloatPixels) -> moderngl.Texture:
     """A repeating picture, (u, v) = (0, 1) its upper left corner."""
     H, W = pixels.shape[:2]
+    if max(H, W) > _largest_texture(gl):
+        raise ValueError(
+            f"a texture of {W} x {H} texels cannot be drawn: at most {_largest_texture(gl)} to a side here"
+        )
     texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels[::-1], np.float32), dtype="f4")
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
     return texture
+
+
+def _largest_texture(gl: moderngl.Context) -> int:
+    """Texels to a side."""
+    return int(gl.info["GL_MAX_TEXTURE_SIZE"])
