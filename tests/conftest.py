@@ -1,6 +1,6 @@
-"""Fixtures of the command line: a small environment in a file, and the command in this process."""
+"""Fixtures: a small environment in a file, the command in this process, a display, windows."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +40,21 @@ def shrm(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, st
     return run
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run the tests of the window first: GLX refuses a thread in which EGL or OSMesa has a context."""
-    items.sort(key=lambda item: item.path.stem != "test_viewer_window")
+@pytest.fixture(scope="module")
+def screen() -> Iterator[None]:
+    """A display."""
+    from window_driver import display
+
+    with display():
+        yield
+
+
+@pytest.fixture
+def opened(
+    screen: None, sky: Path, tmp_path: Path, request: pytest.FixtureRequest
+) -> Iterator[Callable[..., object]]:
+    """Open windows; see `window_driver.windows`."""
+    from window_driver import windows
+
+    with windows(sky, tmp_path, request.node.name) as opened:
+        yield opened

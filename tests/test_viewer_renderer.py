@@ -1,5 +1,6 @@
 """The GPU's pictures against those of the CPU, on every way to OpenGL without a display."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 
@@ -20,7 +21,7 @@ CAMERA = Camera((4.0, 2.0, 1.5), fov=32.0)
 
 
 @pytest.fixture(scope="module")
-def contexts() -> dict[str, Context]:
+def contexts() -> Iterator[dict[str, Context]]:
     """Every way that this machine has."""
     found = {}
     for route in ("egl", "osmesa"):
@@ -29,7 +30,9 @@ def contexts() -> dict[str, Context]:
         except ContextError:
             continue
     assert found, "neither EGL nor OSMesa"
-    return found
+    yield found
+    for context in found.values():
+        context.release()
 
 
 @pytest.fixture(scope="module", params=["egl", "osmesa"])
@@ -223,6 +226,30 @@ def test_the_background_turns_with_the_light(renderer, glossy):
     _, d = CAMERA.rays(columns.ravel(), rows.ravel(), SIZE, SIZE)
     expected = environment_lookup(env.pixels, d @ R)  # L'(w) = L(R^T w)
     assert oracles.relative_rms(turned.radiance.reshape(-1, 3), expected) < 1e-3
+
+
+@pytest.mark.parametrize("size", [(128, 256), (64, 256), (64, 64), (128, 64)])
+def test_a_background_too_large_for_a_texture_is_averaged_down(renderer, glossy, monkeypatch, size):
+    env = light("daylight").resized(*size)
+    renderer.resources.release()
+    monkeypatch.setitem(renderer.gl.info, "GL_MAX_TEXTURE_SIZE", 64)
+    found = renderer.render(Scene([Object(Sphere(), glossy)], CAMERA, env))
+    fitting = env.resized(min(size[0], 64), 64)
+    expected = renderer.render(Scene([Object(Sphere(), glossy)], CAMERA, fitting))
+    np.testing.assert_array_equal(found.radiance, expected.radiance)
+    assert renderer.gl.error == "GL_NO_ERROR"
+
+
+def test_a_texture_too_large_is_said(renderer, glossy, monkeypatch):
+    monkeypatch.setitem(renderer.gl.info, "GL_MAX_TEXTURE_SIZE", 16)
+    for shape in ((16, 17, 3), (17, 16, 3)):
+        scene = Scene([Object(Sphere(), glossy, np.ones(shape, np.float32))], CAMERA)
+        with pytest.raises(
+            ValueError, match=rf"^a texture of {shape[1]} x {shape[0]} texels .*: at most 16 .*$"
+        ):
+            renderer.render(scene)
+    fits = Object(Sphere(), glossy, np.ones((16, 16, 3), np.float32))
+    assert renderer.render(Scene([fits], CAMERA)).coverage.any()
 
 
 def test_lat_long_maps_are_made_anew_as_cubes(renderer, glossy):

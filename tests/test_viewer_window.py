@@ -1,154 +1,21 @@
 """The window, driven without a person: what hands do, and what the picture does then."""
 
 import os
-import shutil
+import re
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from shrm import Environment
 from shrm.image_io import ImageWarning, read_image, write_image
 from shrm.render import display
 from shrm.viewer.context import ContextError
 from shrm.viewer.state import UNTURNED, State
-
-glfw = pytest.importorskip("glfw")
-pytest.importorskip("slimgui")
-GL = pytest.importorskip("OpenGL.GL")
-
-from shrm.viewer.app import Application  # noqa: E402
-from shrm.viewer.panel import WIDTH  # noqa: E402
-from shrm.viewer.screen import PLACES  # noqa: E402
-
-SECONDS = 100.0
-SIZE = (WIDTH + 200, 240)
-WHOLE_PANEL = 900  # rows, so that no control is scrolled out of sight
-MIDDLE = (WIDTH + 100.0, 120.0)
-Pixels = npt.NDArray[np.uint8]
-
-
-@pytest.fixture(scope="module")
-def screen() -> Iterator[None]:
-    """A display: the one that is there, or one of our own that nobody sees."""
-    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
-        yield
-        return
-    server = shutil.which("Xvfb")
-    if server is None:
-        pytest.skip("there is no display, and no Xvfb to make one (apt-get install xvfb)")
-    read, write = os.pipe()
-    running = subprocess.Popen(
-        [server, "-displayfd", str(write), "-screen", "0", "1280x960x24", "-nolisten", "tcp"],
-        pass_fds=(write,),
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(write)
-    with os.fdopen(read) as told:
-        number = told.readline().strip()
-    os.environ["DISPLAY"] = f":{number}"
-    yield
-    glfw.terminate()
-    del os.environ["DISPLAY"]
-    running.terminate()
-    running.wait()
-
-
-class Hands:
-    """Drives an application as a person does, and looks at it."""
-
-    def __init__(self, app: Application) -> None:
-        self.app = app
-
-    def settle(self) -> None:
-        """Draw frames until nothing is on its way."""
-        end = time.monotonic() + SECONDS
-        quiet = 0
-        while quiet < 3:
-            assert time.monotonic() < end
-            self.app.frame()
-            glfw.poll_events()
-            comparing = self.app.state.shown != "maps" and self.app.comparison.worker.busy
-            sampling = self.app.screen.samples < len(PLACES)
-            quiet = 0 if self.app.lighting.busy or comparing or sampling else quiet + 1
-            if not quiet:
-                time.sleep(0.005)
-        assert GL.glGetError() == 0
-
-    def look(self, *, whole: bool = False, away: bool = True) -> Pixels:
-        """What the window shows, (H, W, 3), without the panel; `away`: the pointer leaves it first."""
-        if away:  # an explanation of the control under it may lie over the picture
-            self.app.on_cursor(WIDTH + 2.0, 2.0)
-            self.app.draw()
-        self.app.draw()
-        width, height = glfw.get_framebuffer_size(self.app.window)
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
-        GL.glReadBuffer(GL.GL_BACK)
-        GL.glPixelStorei(GL.GL_PACK_ALIGNMENT, 1)
-        content = GL.glReadPixels(0, 0, width, height, GL.GL_RGB, GL.GL_UNSIGNED_BYTE)
-        pixels = np.frombuffer(content, np.uint8).reshape(height, width, 3)[::-1]
-        glfw.swap_buffers(self.app.window)
-        left = WIDTH if self.app.panel_shown and not whole else 0
-        return np.array(pixels[:, left:])
-
-    def drag(self, button: int, *path: tuple[float, float], mods: int = 0) -> None:
-        """Press, move along points, release; a frame after each."""
-        app = self.app
-        app.on_cursor(*path[0])
-        app.frame()
-        app.on_mouse_button(button, glfw.PRESS, mods)
-        for point in path:
-            app.frame()
-            app.on_cursor(*point)
-        app.frame()
-        app.on_mouse_button(button, glfw.RELEASE, mods)
-        app.frame()
-
-    def place(self, name: str, share: float = 0.5) -> tuple[float, float]:
-        """A point of a control, at a share of its width."""
-        x0, y0, x1, y1 = self.app.panel.places[name]
-        return x0 + share * (x1 - x0), 0.5 * (y0 + y1)
-
-    def click(self, name: str) -> None:
-        self.drag(glfw.MOUSE_BUTTON_LEFT, self.place(name, 0.1))
-        self.settle()
-
-    def press(self, key: int, mods: int = 0) -> None:
-        self.app.on_key(key, 0, glfw.PRESS, mods)
-        self.app.on_key(key, 0, glfw.RELEASE, mods)
-        self.settle()
-
-
-Opened = Callable[..., Hands]
-
-
-@pytest.fixture
-def opened(screen: None, sky: Path, tmp_path: Path) -> Iterator[Opened]:
-    """Open windows, which are closed afterwards."""
-    apps = []
-
-    def open_(height: int = SIZE[1], **changes: object) -> Hands:
-        given = {"environment": str(sky), "materials": ("ggx:0.4",), **changes}
-        state = State(**given)  # type: ignore[arg-type]
-        app = Application(state, SIZE[0], height, visible=False, folder=tmp_path)
-        apps.append(app)
-        hands = Hands(app)
-        hands.settle()
-        return hands
-
-    yield open_
-    for app in apps:
-        app.close()
-
-
-def same(a: Pixels, b: Pixels) -> bool:
-    return a.shape == b.shape and bool(np.array_equal(a, b))
+from window_driver import GL, MIDDLE, SIZE, WHOLE_PANEL, WIDTH, Application, Opened, glfw, same
 
 
 def test_it_shows_the_objects_as_the_renderer_tone_maps_them(opened: Opened) -> None:
@@ -235,10 +102,10 @@ def test_controls_of_method_accuracy_and_picture(opened: Opened) -> None:
     hands.click("orders F, P")
     assert app.result is not None
     assert app.state.orders == (app.result.maps[0].F, app.result.maps[0].P)
-    hands.click("summed per pixel (eq. 6, 7)")
+    hands.click("near (eq. 6, 7)")
     assert app.state.viewer == "near"
     near = hands.look()
-    hands.click("one dynamic map per frame (eq. 12)")
+    hands.click("distant (eq. 12)")
     assert not same(hands.look(), near)
     with_background = hands.look()
     hands.click("background")
@@ -376,7 +243,7 @@ def test_integration_agrees_with_the_maps(opened: Opened) -> None:
     integrated = hands.app.screen.picture()
     inside = drawn.coverage == 1.0
     difference = (integrated.radiance - drawn.radiance)[inside]
-    assert hands.app.comparison.says == "integrated"
+    assert hands.app.comparison.says.startswith("integrated: the maps are ")
     assert np.any(difference != 0.0)
     assert np.sqrt((difference**2).mean() / (drawn.radiance[inside] ** 2).mean()) < hands.app.state.tolerance
     hands.press(glfw.KEY_3)
@@ -384,6 +251,32 @@ def test_integration_agrees_with_the_maps(opened: Opened) -> None:
     assert shown == pytest.approx(8.0 * np.abs(difference), abs=1e-4)
     hands.press(glfw.KEY_1)
     assert np.array_equal(hands.app.screen.picture().radiance, drawn.radiance)
+
+
+def test_methods_are_compared(opened: Opened) -> None:
+    hands = opened(WHOLE_PANEL, materials=("ggx(alpha=0.4,f0=0.04)",), orders=(6, 4), viewer="near")
+    app, pictures = hands.app, [hands.look()]
+    hands.click("without its azimuth (Kautz & McCool)")
+    assert app.state.method == "kautz-mccool"
+    pictures.append(hands.look())
+    hands.press(glfw.KEY_M)
+    assert app.state.method == "cabral"
+    pictures.append(hands.look())
+    assert not any(same(pictures[i], pictures[j]) for i, j in ((0, 1), (0, 2), (1, 2)))
+    hands.press(glfw.KEY_2)
+    answered, off = app.comparison.worker.answered, []
+    for _ in range(3):
+        drawn, integrated = app.screen.drawn_picture(), app.screen.picture()
+        inside = (drawn.coverage == 1.0) & (integrated.coverage == 1.0)
+        difference = (drawn.radiance - integrated.radiance)[inside]
+        expected = np.sqrt((difference**2).sum() / (integrated.radiance[inside] ** 2).sum())
+        found = re.fullmatch(r"integrated: the maps are (.+) % off", app.comparison.says)
+        assert found
+        off.append(float(found[1]))
+        assert off[-1] == pytest.approx(100 * expected, rel=0.06)  # two digits; half-covered pixels
+        hands.press(glfw.KEY_M)  # cabral, shrm, kautz-mccool
+    assert off[1] < min(off[0], off[2])
+    assert app.comparison.worker.answered == answered  # the same integral serves all of them
 
 
 def test_keys_are_listed_and_end_it(opened: Opened) -> None:

@@ -75,6 +75,26 @@ def add_orders(command: argparse.ArgumentParser, default: float = 0.05) -> None:
     either.add_argument("--orders", type=orders, metavar="F,P", help="the orders themselves, such as 30,4")
 
 
+VIEWERS = {
+    "near": "each pixel has its own view vector",
+    "distant": "one view vector for the whole picture",
+}
+
+
+def add_viewer(command: argparse.ArgumentParser, default: str) -> None:
+    """Add --near and --distant, one of which is the default."""
+    either = command.add_mutually_exclusive_group()
+    for name, what in VIEWERS.items():
+        either.add_argument(
+            f"--{name}",
+            dest="viewer",
+            action="store_const",
+            const=name,
+            default=default,
+            help=f"{what} (default)" if name == default else what,
+        )
+
+
 def add_output(command: argparse.ArgumentParser, *suffixes: str) -> None:
     """Add --output, whose name ends in one of the suffixes."""
     known = " or ".join([", ".join(suffixes[:-1]), suffixes[-1]] if len(suffixes) > 1 else suffixes)

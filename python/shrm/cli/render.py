@@ -18,6 +18,7 @@ from shrm.cli.options import (
     add_environment,
     add_orders,
     add_output,
+    add_viewer,
     degrees,
     extent,
     number,
@@ -80,22 +81,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         metavar="DEG",
         help="field of view of the wider side (default 30)",
     )
-    viewer = command.add_mutually_exclusive_group()
-    viewer.add_argument(
-        "--near",
-        dest="viewer",
-        action="store_const",
-        const="near",
-        default="near",
-        help="each pixel has its own view vector (default)",
-    )
-    viewer.add_argument(
-        "--distant",
-        dest="viewer",
-        action="store_const",
-        const="distant",
-        help="one view vector for the whole picture",
-    )
+    add_viewer(command, default="near")
     add("--gpu", action="store_true", help="draw with OpenGL; needs no display")
     add(
         "--turntable",

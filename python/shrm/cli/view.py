@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from shrm.cli.options import LAYOUTS, add_orders, extent, number, parse_brdf
+from shrm.cli.options import LAYOUTS, add_orders, add_viewer, extent, number, parse_brdf
 
 if TYPE_CHECKING:
     from shrm.viewer.state import State
@@ -37,26 +37,12 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--up", choices=("y", "z"), help="the mesh file's upward axis (default y)")
     add_orders(command, default=0.1)
-    command.set_defaults(tolerance=None)  # what is not given is as in --state
+    add_viewer(command, default="distant")
+    command.set_defaults(tolerance=None, viewer=None)  # what is not given is as in --state
     add(
         "--method",
         choices=("shrm", "kautz-mccool", "cabral"),
         help="what the maps hold of the view: all that the orders do (default), no azimuth, or 12 views",
-    )
-    viewer = command.add_mutually_exclusive_group()
-    viewer.add_argument(
-        "--distant",
-        dest="viewer",
-        action="store_const",
-        const="distant",
-        help="one view vector for the whole picture: a dynamic map per frame (default)",
-    )
-    viewer.add_argument(
-        "--near",
-        dest="viewer",
-        action="store_const",
-        const="near",
-        help="each pixel has its own view vector and sums all maps",
     )
     add("--exposure", type=number, metavar="STOPS", help="(default: from the picture)")
     add(

@@ -1,6 +1,6 @@
 """Real time: the renderer on the GPU, and the interactive window.
 
-context -> geometry, maps, programs, resources -> scene -> renderer
+osmesa -> context -> geometry, maps, programs, resources -> scene -> renderer
 orbit -> state -> worker -> lighting, integration -> screen, comparison -> materials, panel -> window -> app
 """
 

@@ -147,7 +147,7 @@ class Application:
         self.controls.close()
         self.screen.release()
         self.renderer.release()
-        glfw.destroy_window(self.window)
+        self.context.release()
 
     def _ask(self) -> None:
         """Ask for maps if the state wants others than those asked for last."""

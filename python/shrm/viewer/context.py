@@ -1,27 +1,37 @@
-"""OpenGL contexts without a window: EGL, then OSMesa through GLFW, then a hidden window."""
+"""OpenGL contexts: without a window by EGL, OSMesa or a hidden window; or a window's.
+
+EGL, GLX and OSMesa know nothing of each other, and GLX ends the process where EGL has a context that is
+current: here every context is let go before another one is made or made current.
+"""
 
 from __future__ import annotations
 
 import ctypes
+import threading
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import moderngl
 
+from shrm.viewer.osmesa import OSMesa
+
 Route = Literal["egl", "osmesa", "window"]
 ROUTES: tuple[Route, ...] = ("egl", "osmesa", "window")
 
 VERSION = 330
 
+_thread = threading.local()  # .current: the Context that OpenGL's calls of this thread go to
+
 
 class ContextError(RuntimeError):
-    """No OpenGL context can be had; its text is one line that says what to install."""
+    """No OpenGL context can be had, or it was released; the text is one line."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Context:
-    """An OpenGL context that is current.
+    """An OpenGL context.
 
     Attributes
     ----------
@@ -36,18 +46,49 @@ class Context:
     route: Route
     window: Any = None
 
-    def activate(self) -> None:
-        """Make it the one that OpenGL's calls go to."""
-        if self.window is None:
-            self.gl.mglo.__enter__()
-        else:
-            import glfw
+    @property
+    def released(self) -> bool:
+        """Whether it is gone."""
+        return isinstance(self.gl.mglo, moderngl.InvalidObject)
 
-            glfw.make_context_current(self.window)
+    def activate(self) -> None:
+        """Make it the one that OpenGL's calls of this thread go to.
+
+        Raises
+        ------
+        ContextError
+            If it was released.
+        """
+        if self.released:
+            raise ContextError(f"the OpenGL context ({self.route}) was released: nothing can be drawn in it")
+        if _current() is not self:
+            leave()
+        self.gl.mglo.__enter__()
+        _thread.current = self
+
+    def release(self) -> None:
+        """Free it with all that is on the GPU, and close its window; further calls do nothing."""
+        if self.released:
+            return
+        if _current() is self:
+            leave()
+        self.gl.release()
+
+
+def leave() -> None:
+    """Let go of the context that is current in this thread; it can be used again after `activate`."""
+    current = _current()
+    if current is not None:
+        _thread.current = None
+        current.gl.mglo.__exit__(None, None, None)
+
+
+def _current() -> Context | None:
+    return getattr(_thread, "current", None)
 
 
 def offscreen(routes: tuple[Route, ...] = ROUTES) -> Context:
-    """Make a context that needs no display.
+    """Make a context that needs no display; it is current then.
 
     Parameters
     ----------
@@ -62,6 +103,7 @@ def offscreen(routes: tuple[Route, ...] = ROUTES) -> Context:
     made: dict[Route, Callable[[], Context]] = {"egl": _egl, "osmesa": _osmesa, "window": _hidden_window}
     reasons = []
     for route in routes:
+        leave()
         try:
             return made[route]()
         except Exception as fault:  # each library has errors of its own
@@ -74,63 +116,51 @@ def offscreen(routes: tuple[Route, ...] = ROUTES) -> Context:
 
 def _egl() -> Context:
     names: Any = {"backend": "egl", "libegl": "libEGL.so.1", "libgl": "libGL.so.1"}
-    return Context(moderngl.create_context(standalone=True, require=VERSION, **names), "egl")
+    context = Context(moderngl.create_context(standalone=True, require=VERSION, **names), "egl")
+    _thread.current = context
+    return context
 
 
 def _osmesa() -> Context:
-    import glfw
-
-    glfw.terminate()  # the platform is chosen when it is initialised
-    glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL)
-    return _of_window(glfw.OSMESA_CONTEXT_API, "osmesa")
+    return _taken(OSMesa(VERSION), "osmesa")
 
 
 def _hidden_window() -> Context:
+    return of_window(16, 16, "shrm", visible=False)
+
+
+def of_window(width: int, height: int, title: str, *, visible: bool) -> Context:
+    """Open a window and take its OpenGL context; it is current then.
+
+    Raises
+    ------
+    ContextError
+        If GLFW cannot open one.
+    """
     import glfw
 
-    glfw.terminate()
-    glfw.init_hint(glfw.PLATFORM, glfw.ANY_PLATFORM)
-    return _of_window(glfw.NATIVE_CONTEXT_API, "window")
+    leave()  # GLFW makes the new one current
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # GLFW's own: the error says it
+        if not glfw.init():
+            raise ContextError(_glfw_says())
+        glfw.default_window_hints()
+        glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, VERSION // 100)
+        glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, VERSION % 100 // 10)
+        glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
+        glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
+        glfw.window_hint(glfw.VISIBLE, visible)
+        window = glfw.create_window(width, height, title, None, None)
+        if not window:
+            raise ContextError(_glfw_says())
+    return _taken(_Window(window), "window", window)
 
 
-def _of_window(api: int, route: Route) -> Context:
-    import glfw
+class _Window:
+    """A GLFW window's context, with the methods by which moderngl asks for functions and makes it current."""
 
-    if not glfw.init():
-        raise ContextError(_glfw_says())
-    for hint, value in context_hints(api).items():
-        glfw.window_hint(hint, value)
-    glfw.window_hint(glfw.VISIBLE, False)
-    window = glfw.create_window(16, 16, "shrm", None, None)
-    if not window:
-        raise ContextError(_glfw_says())
-    return attach(window, route)
-
-
-def context_hints(api: int) -> dict[int, int]:
-    """GLFW's window hints for a context of this package."""
-    import glfw
-
-    return {
-        glfw.CONTEXT_CREATION_API: api,
-        glfw.CONTEXT_VERSION_MAJOR: VERSION // 100,
-        glfw.CONTEXT_VERSION_MINOR: VERSION % 100 // 10,
-        glfw.OPENGL_PROFILE: glfw.OPENGL_CORE_PROFILE,
-        glfw.OPENGL_FORWARD_COMPAT: int(api != glfw.OSMESA_CONTEXT_API),  # which OSMesa refuses
-    }
-
-
-def attach(window: Any, route: Route = "window") -> Context:
-    """Take the OpenGL context of a GLFW window."""
-    import glfw
-
-    glfw.make_context_current(window)
-    loader: Any = _Loader()
-    return Context(moderngl.create_context(context=loader, require=VERSION), route, window)
-
-
-class _Loader:
-    """What moderngl asks for OpenGL's functions, answered by GLFW, whichever API made the context."""
+    def __init__(self, window: Any) -> None:
+        self._window = window
 
     def load_opengl_function(self, name: str) -> int:
         import glfw
@@ -140,14 +170,37 @@ class _Loader:
 
     load = load_opengl_function
 
-    def __enter__(self) -> _Loader:
+    def __enter__(self) -> _Window:
+        import glfw
+
+        glfw.make_context_current(self._window)
         return self
 
     def __exit__(self, *_: object) -> None:
-        pass
+        import glfw
+
+        none: Any = None
+        glfw.make_context_current(none)
 
     def release(self) -> None:
-        """Nothing: the window owns the context."""
+        """Close the window, which owns the context."""
+        import glfw
+
+        glfw.destroy_window(self._window)
+
+
+def _taken(maker: OSMesa | _Window, route: Route, window: Any = None) -> Context:
+    """Make current what was made, and give it to moderngl."""
+    loader: Any = maker
+    maker.__enter__()
+    try:
+        context = Context(moderngl.create_context(context=loader, require=VERSION), route, window)
+    except Exception:
+        maker.__exit__()
+        maker.release()
+        raise
+    _thread.current = context
+    return context
 
 
 def _glfw_says() -> str:

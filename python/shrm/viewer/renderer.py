@@ -13,13 +13,14 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from shrm.environment import Environment
 from shrm.icosahedral import IcosahedralMaps
 from shrm.reflection_map import ReflectionMap
 from shrm.render.camera import FloatArray
 from shrm.render.picture import FloatPixels, Lighting, Object, Picture
 from shrm.rings import BORDER
 from shrm.validation import whole_number
-from shrm.viewer.context import Context, offscreen
+from shrm.viewer.context import Context, ContextError, offscreen
 from shrm.viewer.geometry import Geometry, clip_from_world
 from shrm.viewer.maps import IcosahedralLobe, Lobe, LobeMaps
 from shrm.viewer.programs import Maps, Surface, object_program, screen_program, set_uniforms
@@ -42,12 +43,13 @@ class Renderer:
     map_size : int
         Edge of the cubes' faces that lat-long maps are made anew for.
     context : Context, optional
-        Where to draw; by default one without a display (`shrm.viewer.context.offscreen`).
+        Where to draw, and the caller's to release; by default one of its own without a display
+        (`shrm.viewer.context.offscreen`).
 
     Raises
     ------
     ContextError
-        If there is no OpenGL.
+        If there is no OpenGL, or the renderer was released.
     TypeError, ValueError
         If an argument is not as described.
     """
@@ -65,7 +67,10 @@ class Renderer:
         self.height = whole_number("height", height, 1, LARGEST)
         self.samples = whole_number("samples", samples, 1, 64)
         self.map_size = whole_number("map_size", map_size, 1, 4096)
+        self._owns_context = context is None
+        self._released = False
         self.context = offscreen() if context is None else context
+        self.context.activate()
         gl = self.gl = self.context.gl
         gl.enable_direct(SEAMLESS)
         self.resources = Resources()
@@ -89,8 +94,10 @@ class Renderer:
         Raises
         ------
         TypeError, ValueError
-            If a material is no reflection map, or a shape is neither a mesh nor a sphere.
+            If a material is no reflection map, a shape is neither a mesh nor a sphere, or a texture is larger
+            than OpenGL's can be here. (A background is averaged down to fit.)
         """
+        self._check()
         self.context.activate()
         n = self.samples
         total = np.zeros((self.height, self.width, 4), np.float32)
@@ -111,21 +118,34 @@ class Renderer:
         pixels = np.frombuffer(self._target.read(components=4, dtype="f4"), np.float32)
         return pixels.reshape(self.height, self.width, 4)[::-1]  # OpenGL's rows run upwards
 
+    def _check(self) -> None:
+        if self._released:
+            raise ContextError("the renderer was released: it cannot draw any more")
+
     def release(self) -> None:
-        """Free what it holds on the GPU."""
+        """Free what it holds on the GPU, and its context unless it was given one; it cannot draw then."""
+        released, self._released = self._released or self.context.released, True
+        if released:
+            return
         self.context.activate()
         self.resources.release()
         for program in (*self._programs.values(), self._background):
             program.release()
         for held in (self._screen, self._white, *self._target.color_attachments, self._target):
             held.release()
+        if self._owns_context:
+            self.context.release()
 
     # ---- Drawing
 
     def draw(
         self, scene: Scene, target: moderngl.Framebuffer, shift: tuple[float, float] = (0.0, 0.0)
     ) -> None:
-        """Draw linear radiance into a framebuffer of floats with depth; alpha is the coverage."""
+        """Draw linear radiance into a framebuffer of floats with depth; alpha is the coverage.
+
+        The renderer's context must be current (`Context.activate`).
+        """
+        self._check()
         gl = self.gl
         target.use()
         gl.disable(moderngl.BLEND)
@@ -237,10 +257,15 @@ class Renderer:
 
 
 class _Environment:
-    """A lat-long picture on the GPU, and the mean radiance of its first and last row."""
+    """A lat-long picture on the GPU, and the mean radiance of its first and last row.
+
+    Where it is larger than a texture can be, it is averaged down to fit.
+    """
 
     def __init__(self, gl: moderngl.Context, pixels: FloatPixels) -> None:
-        H, W = pixels.shape[:2]
+        H, W = (min(side, _largest_texture(gl)) for side in pixels.shape[:2])
+        if pixels.shape[:2] != (H, W):
+            pixels = Environment(pixels).resized(H, W).pixels
         self.texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels, np.float32), dtype="f4")
         self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self.texture.repeat_x, self.texture.repeat_y = True, False
@@ -253,6 +278,15 @@ class _Environment:
 def _texture(gl: moderngl.Context, pixels: FloatPixels) -> moderngl.Texture:
     """A repeating picture, (u, v) = (0, 1) its upper left corner."""
     H, W = pixels.shape[:2]
+    if max(H, W) > _largest_texture(gl):
+        raise ValueError(
+            f"a texture of {W} x {H} texels cannot be drawn: at most {_largest_texture(gl)} to a side here"
+        )
     texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels[::-1], np.float32), dtype="f4")
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
     return texture
+
+
+def _largest_texture(gl: moderngl.Context) -> int:
+    """Texels to a side."""
+    return int(gl.info["GL_MAX_TEXTURE_SIZE"])

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any, Protocol
 
 import glfw
 from slimgui import imgui
 from slimgui.integrations import glfw as controls
 
-from shrm.viewer.context import Context, ContextError, attach, context_hints
+from shrm.viewer.context import Context, ContextError, of_window
 
 NO_WINDOW = (
     "no window can be opened: set DISPLAY to a screen with OpenGL (apt-get install libgl1 libgl1-mesa-dri), "
@@ -50,21 +49,10 @@ def open_window(width: int, height: int, title: str, visible: bool) -> Context:
     ContextError
         If there is no display or no OpenGL on it; the text is one line.
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # GLFW's own: the error says it
-        if glfw.get_platform() == glfw.PLATFORM_NULL:  # of an OSMesa context, which ends here
-            glfw.terminate()
-        glfw.init_hint(glfw.PLATFORM, glfw.ANY_PLATFORM)
-        if not glfw.init():
-            raise ContextError(NO_WINDOW)
-        glfw.default_window_hints()
-        for hint, value in context_hints(glfw.NATIVE_CONTEXT_API).items():
-            glfw.window_hint(hint, value)
-        glfw.window_hint(glfw.VISIBLE, visible)
-        window = glfw.create_window(width, height, title, None, None)
-        if not window:
-            raise ContextError(NO_WINDOW)
-    return attach(window)
+    try:
+        return of_window(width, height, title, visible=visible)
+    except ContextError:
+        raise ContextError(NO_WINDOW) from None
 
 
 def listen(window: Any, listener: Listener) -> None:
