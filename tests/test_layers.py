@@ -15,7 +15,7 @@ PACKAGE = ROOT / "python" / "shrm"
 # Each stage may import only those above it; a name stands for a module or a package's whole folder.
 PYTHON_ORDER = [
     ["_core"],
-    ["validation"],
+    ["validation", "faults"],
     ["color"],
     ["image_io"],
     ["layouts"],

@@ -17,6 +17,7 @@ def unlike_the_default() -> State:
     return State(
         environment="sky ünï.hdr",
         layout="vertical-cross",
+        repair=True,
         materials=("lambert:0.5", "0.5*lambert:0.8 + ggx:0.2"),
         mesh="bunny.ply",
         up="z",

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - to make a picture that image_io does not write
 import pytest
 from shrm import Environment
 from shrm.image_io import ImageWarning, read_image, write_image
@@ -154,6 +155,34 @@ def test_pictures_and_meshes_are_dropped(opened: Opened, tmp_path: Path) -> None
     assert app.fault == ""
     hands.click("Back to sphere")
     assert same(hands.look(), lit)
+
+
+def test_a_refused_picture_is_repaired_or_given_its_layout(opened: Opened, tmp_path: Path) -> None:
+    hands = opened(WHOLE_PANEL)
+    app, before = hands.app, hands.look()
+    holed = np.ones((16, 32, 3), np.float32)
+    holed[3, 5] = np.nan
+    written = oiio.ImageBuf(holed)
+    assert written.write(str(tmp_path / "holed.exr"))
+    write_image(tmp_path / "odd.exr", np.ones((9, 25, 3), np.float32))
+    app.on_drop([str(tmp_path / "holed.exr")])
+    hands.settle()
+    assert "holed.exr" in app.fault
+    assert same(hands.look(), before)
+    hands.click("repair")
+    assert app.fault == app.refused == ""
+    assert app.state.environment == str(tmp_path / "holed.exr")
+    assert not same(hands.look(), before)
+    app.on_drop([str(tmp_path / "odd.exr")])
+    hands.settle()
+    assert "odd.exr" in app.fault  # nothing says how it shows the sphere
+    assert app.state.environment == str(tmp_path / "holed.exr")
+    hands.click("layout")  # its list opens
+    left, _, _, bottom = app.panel.places["layout"]
+    hands.drag(glfw.MOUSE_BUTTON_LEFT, (left + 20.0, bottom + 31.0))  # the second line of it
+    hands.settle()
+    assert (app.state.environment, app.state.layout) == (str(tmp_path / "odd.exr"), "latlong")
+    assert app.fault == app.refused == ""
 
 
 @pytest.mark.parametrize("name", ["garbage.hdr", "garbage.ply", "garbage.json", "garbage", "missing.exr"])

@@ -11,7 +11,8 @@ import sys
 from collections.abc import Sequence
 
 from shrm.cli import convert, demo, info, prefilter, render, reproduce, view
-from shrm.cli.console import one_line, warnings_as_lines
+from shrm.cli.console import warnings_as_lines
+from shrm.faults import one_line
 
 COMMANDS = (demo, info, convert, prefilter, render, view, reproduce)
 

@@ -9,15 +9,6 @@ from contextlib import contextmanager
 from typing import TextIO
 
 
-def one_line(fault: BaseException) -> str:
-    """Say a fault in one line; one of the system names the file first."""
-    if isinstance(fault, OSError) and fault.filename is not None and fault.strerror:
-        return f"{fault.filename}: {fault.strerror}"
-    if isinstance(fault, MemoryError):
-        return "not enough memory"
-    return " ".join(str(fault).split()) or type(fault).__name__
-
-
 @contextmanager
 def warnings_as_lines() -> Iterator[None]:
     """Print each different warning of the library once, as one line."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from shrm.cli.options import LAYOUTS, add_orders, add_viewer, extent, number, parse_brdf
+from shrm.cli.options import add_environment, add_orders, add_viewer, extent, number, parse_brdf
 
 if TYPE_CHECKING:
     from shrm.viewer.state import State
@@ -20,13 +20,7 @@ EXAMPLE = "shrm view grace.hdr --brdf ggx:0.3,1.0/0.71/0.29 --mesh bunny.ply"
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     add = command.add_argument
-    add(
-        "env",
-        metavar="ENV",
-        nargs="?",
-        help="environment map (.hdr, .exr, .png, ...), or 'daylight' (default)",
-    )
-    add("--layout", choices=LAYOUTS, metavar="L", help=f"layout of the file: {', '.join(LAYOUTS)}")
+    add_environment(command, optional=True, layout_flags=("--layout",))
     add(
         "--brdf",
         dest="materials",
@@ -82,7 +76,8 @@ def state(options: argparse.Namespace) -> State:
         parse_brdf(text)
     given = {
         "environment": options.env if options.env in (None, "daylight") else absolute(options.env),
-        "layout": options.layout,
+        "layout": options.env_layout,
+        "repair": True if options.repair else None,
         "materials": None if options.materials is None else tuple(options.materials),
         "mesh": None if options.mesh is None else absolute(options.mesh),
         "up": options.up,

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 
 import glfw
 
-from shrm.render.output import write_picture
+from shrm.faults import one_line
 from shrm.render.picture import Object
 from shrm.render.tonemap import automatic_exposure
 from shrm.viewer.comparison import Comparison
@@ -22,6 +22,7 @@ from shrm.viewer.panel import WIDTH, Action, Facts, Panel, draw_keys
 from shrm.viewer.renderer import Renderer
 from shrm.viewer.scene import Scene
 from shrm.viewer.screen import Screen
+from shrm.viewer.screenshot import save_screenshot
 from shrm.viewer.state import UNTURNED, Method, State
 from shrm.viewer.window import Controls, listen, open_window
 from shrm.viewer.worker import Worker
@@ -88,7 +89,7 @@ class Application:
         self.lighting: Worker[Request, Prefiltered] = Worker(Lighting(), glfw.post_empty_event)
         self.comparison = Comparison(glfw.post_empty_event)
         self.result: Prefiltered | None = None
-        self.fault = self.said = ""
+        self.fault = self.said = self.refused = ""
         self._asked: Request | None = None
         self._drawn: tuple[object, ...] = ()
         self._expose = self._fit = False
@@ -164,25 +165,28 @@ class Application:
             if self.result is None:
                 raise
             self._say_fault(fault)
-            self._go_back(self.result.request)
+            self._refuse(self.result.request)
             return
         if result is None:
             return
         last, self.result = self.result, result
         if last is None or _source(last) != _source(result):
-            self._expose, self.fault = True, ""
+            self._expose, self.fault, self.refused = True, "", ""
         self._lively = 3
         if last is None or last.shapes is not result.shapes:
             self._fit = not self._keep_eye
         if result.request == self._asked:
             self._keep_eye = False
 
-    def _go_back(self, request: Request) -> None:
+    def _refuse(self, request: Request) -> None:
         """Return to what is drawn; what turned or moved meanwhile stays."""
+        if self._asked is not None and self._asked.environment != request.environment:
+            self.refused = self._asked.environment
         self.state = replace(
             self.state,
             environment=request.environment,
             layout=request.layout,
+            repair=request.repair,
             materials=request.materials,
             mesh=request.mesh,
             up=request.up,
@@ -242,6 +246,7 @@ class Application:
                 self._frame_seconds,
                 self.fault,
                 self.said,
+                self.refused,
                 "" if self.state.shown == "maps" else self.comparison.says,
             )
             before = self.state.automatic
@@ -411,22 +416,12 @@ class Application:
     def _save_picture(self) -> None:
         if self.result is None:
             return
-        number = 1
-        while any((self.folder / f"shrm-{number:03d}{suffix}").exists() for suffix in (".png", ".exr")):
-            number += 1
-        png = self.folder / f"shrm-{number:03d}.png"
-        picture = self.screen.picture()
         alpha = not self.state.background
-        write_picture(png, picture, self.state.exposure, alpha=alpha)
-        write_picture(png.with_suffix(".exr"), picture, alpha=alpha)
+        png = save_screenshot(self.folder, self.screen.picture(), self.state.exposure, alpha)
         self.said = f"saved {png} and .exr"
 
     def _say_fault(self, fault: BaseException) -> None:
-        self.said = ""
-        if isinstance(fault, OSError) and fault.filename is not None and fault.strerror:
-            self.fault = f"{fault.filename}: {fault.strerror}"
-        else:
-            self.fault = " ".join(str(fault).split()) or type(fault).__name__
+        self.said, self.fault = "", one_line(fault)
 
     def _over_picture(self) -> bool:
         over_panel = self.panel_shown and self._cursor[0] < WIDTH

@@ -53,6 +53,7 @@ class Request:
 
     environment: str
     layout: str | None
+    repair: bool
     materials: tuple[str, ...]
     mesh: str | None
     up: Up
@@ -67,6 +68,7 @@ class Request:
         return cls(
             state.environment,
             state.layout,
+            state.repair,
             state.materials,
             state.mesh,
             state.up,
@@ -114,7 +116,7 @@ class Lighting:
     """Answers requests in one thread, and keeps what the next one may need again."""
 
     def __init__(self) -> None:
-        self._environment: tuple[tuple[str, str | None], Environment, tuple[str, ...]] | None = None
+        self._environment: tuple[tuple[str, str | None, bool], Environment, tuple[str, ...]] | None = None
         self._mesh: tuple[tuple[str, Up], Mesh] | None = None
         self._shapes: tuple[tuple[Mesh | None, int], tuple[Shape, ...]] | None = None
         self._objects: list[_Lit] = []
@@ -155,14 +157,16 @@ class Lighting:
         yield replace(answer, errors=tuple(thing.predicted() for thing in self._objects))
 
     def _read_environment(self, request: Request) -> tuple[Environment, tuple[str, ...]]:
-        key = request.environment, request.layout
+        key = request.environment, request.layout, request.repair
         if self._environment is None or self._environment[0] != key:
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always")
                 if request.environment == DAYLIGHT:
                     environment = Environment.daylight(sun_azimuth=SUN_AZIMUTH)
                 else:
-                    environment = Environment.read(request.environment, layout=request.layout)
+                    environment = Environment.read(
+                        request.environment, layout=request.layout, repair=request.repair
+                    )
             notes = tuple(dict.fromkeys(" ".join(str(item.message).split()) for item in caught))
             self._environment = key, environment, notes
         return self._environment[1:]

@@ -12,80 +12,23 @@ from slimgui import imgui
 
 from shrm import brdf
 from shrm.icosahedral import IcosahedralMaps
+from shrm.layouts import LAYOUTS
 from shrm.reflection_map import ReflectionMap
-from shrm.viewer.integration import ROWS
+from shrm.viewer.choices import KEYS, METHODS, SHOWN, VIEWERS
 from shrm.viewer.lighting import DAYLIGHT, F_MAX, P_MAX, Prefiltered
 from shrm.viewer.materials import KINDS, kind_of, value_of, with_value
-from shrm.viewer.scene import Viewer
-from shrm.viewer.screen import AMPLIFIED
-from shrm.viewer.state import UNTURNED, Method, Shown, State
+from shrm.viewer.state import UNTURNED, State
 
 WIDTH = 380
+SPHERE = "sphere"
+RECOGNISED = "as recognised"
+BY_PATH = "type its path and Enter, or drop it here."
 MOST_OBJECTS = 8
 MOST_CHARACTERS = 84  # of a message: two lines
 
 RED, YELLOW, GREY = (1.0, 0.35, 0.3, 1.0), (1.0, 0.8, 0.3, 1.0), (0.62, 0.64, 0.68, 1.0)
 
 Action = Literal["fit", "screenshot", "save", "open", "help"]
-
-KEYS = (
-    ("left drag", "orbit around the objects"),
-    ("right drag", "turn the light (its coefficients are rotated)"),
-    ("middle drag, Shift + left drag", "pan"),
-    ("wheel", "zoom"),
-    ("drop a file", "environment picture, mesh, or saved window (.json)"),
-    ("F", "fit the objects into the picture"),
-    ("R", "turn the light back"),
-    ("E", "exposure from the picture, always"),
-    ("B", "environment behind the objects on or off"),
-    ("M", "next method: all of the view, without azimuth, 12 views"),
-    ("1  2  3", "reflection maps, direct integration, difference"),
-    ("Tab", "panel on or off"),
-    ("S", "screenshot: .png as shown, .exr linear"),
-    ("Ctrl + S, Ctrl + O", "save the window's state, open it again"),
-    ("?", "this list on or off"),
-    ("Esc, Q", "quit"),
-)
-
-METHODS: tuple[tuple[Method, str, str], ...] = (
-    (
-        "shrm",
-        "all of the view (Ramamoorthi & Hanrahan)",
-        "Harmonics of the view to the order P: (P + 1)^2 maps.",
-    ),
-    (
-        "kautz-mccool",
-        "without its azimuth (Kautz & McCool)",
-        "Lobes are held symmetric about their centre for every view: P + 1 maps.",
-    ),
-    (
-        "cabral",
-        "12 views, blended (Cabral et al.)",
-        "Maps for the views of an icosahedron; between them, a blend of the nearest three.",
-    ),
-)
-VIEWERS: tuple[tuple[Viewer, str, str], ...] = (
-    (
-        "distant",
-        "distant (eq. 12)",
-        "One dynamic map per frame: all maps are summed for one view vector, and each pixel is one look-up.",
-    ),
-    (
-        "near",
-        "near (eq. 6, 7)",
-        "Summed per pixel: each has a view vector of its own and sums all maps for it.",
-    ),
-)
-SHOWN: tuple[tuple[Shown, str, str], ...] = (
-    ("maps", "maps", "Frequency space: what this program is about."),
-    (
-        "integration",
-        "integral",
-        f"The same picture by direct integration (eq. 10): a sum over the light, averaged to {2 * ROWS} x "
-        f"{ROWS} texels, in every pixel; in the background, coarse first.",
-    ),
-    ("difference", f"difference x{AMPLIFIED:g}", "Absolute, on objects; black is none."),
-)
 
 
 @dataclass(frozen=True)
@@ -102,6 +45,8 @@ class Facts:
         What a frame took to draw.
     fault, said : str
         What went wrong last, and what was done last; empty if nothing.
+    refused : str
+        A picture that could not be read as it was meant to be; empty if there is none.
     integrated : str
         How far the integration is; empty if none is asked for.
     """
@@ -111,6 +56,7 @@ class Facts:
     frame_seconds: float
     fault: str
     said: str
+    refused: str
     integrated: str
 
 
@@ -141,7 +87,7 @@ class Panel:
         imgui.begin("shrm", flags=fixed)
         imgui.push_item_width(-125.0)
         self._messages(facts)
-        state = self._light(state)
+        state = self._light(state, facts.refused)
         state = self._objects(state)
         state = self._accuracy(state, facts)
         state = self._method(state, facts)
@@ -169,24 +115,35 @@ class Panel:
         _explain(text)
         imgui.set_cursor_pos_y(top + 2.4 * imgui.get_text_line_height())
 
-    def _light(self, state: State) -> State:
+    def _light(self, state: State, refused: str) -> State:
         imgui.separator_text("Light")
-        flag = imgui.InputTextFlags.ENTER_RETURNS_TRUE
         shown = state.environment if state.environment == DAYLIGHT else Path(state.environment).name
-        entered, text = imgui.input_text("environment", shown, flag)
-        self._place("environment")
-        _explain(f"{state.environment}\n'daylight', or a file: type its path and Enter, or drop it here.")
-        if entered and text.strip() and text != shown:
-            typed = text.strip()
-            path = typed if typed == DAYLIGHT else str(Path(typed).expanduser().absolute())
+        meaning = f"{state.environment}\n'{DAYLIGHT}', or a picture: {BY_PATH}"
+        typed = self._entered("environment", shown, meaning)
+        if typed is not None:
+            path = typed if typed == DAYLIGHT else _absolute(typed)
             state = replace(state, environment=path, layout=None)
+        source = refused or state.environment  # what is said of it can make a picture that was refused good
+        whose = f"Of {Path(source).name}: "
+        if source != DAYLIGHT:
+            known = [RECOGNISED, *LAYOUTS]
+            current = RECOGNISED if refused else state.layout or RECOGNISED
+            changed, chosen = imgui.combo("layout", known.index(current), known)
+            self._place("layout")
+            _explain(f"{whose}how it shows the sphere, where its shape and its file do not tell.")
+            if changed:
+                state = replace(state, environment=source, layout=known[chosen] if chosen else None)
         if self._button("Daylight"):
             state = replace(state, environment=DAYLIGHT, layout=None)
         imgui.same_line()
         with _disabled(state.light == UNTURNED):
             if self._button("Turn light back (R)"):
                 state = replace(state, light=UNTURNED)
-        return state
+        imgui.same_line()
+        changed, repair = imgui.checkbox("repair", state.repair)
+        self._place("repair")
+        _explain(f"{whose}replace texels that are not finite by their neighbours; otherwise it is refused.")
+        return replace(state, environment=source, repair=repair) if changed else state
 
     def _objects(self, state: State) -> State:
         count = len(state.materials)
@@ -212,8 +169,12 @@ class Panel:
         with _disabled(state.mesh is None):
             if self._button("Back to sphere"):
                 state = replace(state, mesh=None)
-        name = "sphere" if state.mesh is None else Path(state.mesh).name
-        imgui.text_colored(GREY, f"shape: {name}")
+        shown = SPHERE if state.mesh is None else Path(state.mesh).name
+        typed = self._entered(
+            "shape", shown, f"{state.mesh or SPHERE}\n'{SPHERE}', or a mesh file: {BY_PATH}"
+        )
+        if typed is not None:
+            state = replace(state, mesh=None if typed == SPHERE else _absolute(typed))
         return state
 
     def _material(self, state: State) -> State:
@@ -243,13 +204,9 @@ class Panel:
             self._place(parameter.name)
             if changed:
                 state = state.with_material(state.selected, with_value(material, parameter, value))
-        flag = imgui.InputTextFlags.ENTER_RETURNS_TRUE
-        entered, typed = imgui.input_text("as text", text, flag)
-        self._place("as text")
-        _explain("As on the command line, such as 0.5*lambert:0.8 + ggx:0.2; Enter takes it.")
-        if entered and typed.strip() and typed != text:
-            state = state.with_material(state.selected, typed.strip())
-        return state
+        meaning = "As on the command line, such as 0.5*lambert:0.8 + ggx:0.2; Enter takes it."
+        typed = self._entered("as text", text, meaning)
+        return state if typed is None else state.with_material(state.selected, typed)
 
     def _accuracy(self, state: State, facts: Facts) -> State:
         imgui.separator_text("Accuracy")
@@ -367,6 +324,13 @@ class Panel:
     def _place(self, name: str) -> None:
         self.places[name] = (*imgui.get_item_rect_min(), *imgui.get_item_rect_max())
 
+    def _entered(self, label: str, text: str, meaning: str) -> str | None:
+        """A line of text; return another one that was typed in its place, once Enter is pressed."""
+        entered, typed = imgui.input_text(label, text, imgui.InputTextFlags.ENTER_RETURNS_TRUE)
+        self._place(label)
+        _explain(meaning)
+        return typed.strip() or None if entered and typed != text else None
+
     def _button(self, label: str) -> bool:
         pressed = imgui.button(label)
         self._place(label)
@@ -399,6 +363,10 @@ def draw_keys(left: float, width: float, height: float) -> None:
 def _of(maps: tuple[ReflectionMap, ...], index: int) -> ReflectionMap | None:
     """The map of an object, if it is there yet."""
     return maps[index] if index < len(maps) else None
+
+
+def _absolute(path: str) -> str:
+    return str(Path(path).expanduser().absolute())
 
 
 def _shortened(text: str) -> str:

@@ -36,6 +36,8 @@ class State:
         A picture's path, or "daylight".
     layout : str, optional
         The picture's layout, if it is not the one recognised.
+    repair : bool
+        Whether its texels that are not finite are replaced by neighbours; they are refused otherwise.
     materials : tuple of str
         One for each object, as `shrm.brdf.parse` reads them.
     mesh : str, optional
@@ -74,6 +76,7 @@ class State:
 
     environment: str = "daylight"
     layout: str | None = None
+    repair: bool = False
     materials: tuple[str, ...] = (GOLD,)
     mesh: str | None = None
     up: Up = "y"
@@ -109,7 +112,7 @@ class State:
             require_orders(*self.orders)
         if not isinstance(self.exposure, (int, float)) or not math.isfinite(self.exposure):
             raise ValueError(f"exposure must be a finite number, got {self.exposure!r}")
-        for name in ("automatic", "background"):
+        for name in ("automatic", "background", "repair"):
             if not isinstance(getattr(self, name), bool):
                 raise TypeError(f"{name} must be true or false, got {getattr(self, name)!r}")
         rotation("light", self.light)
