@@ -285,7 +285,7 @@ def test_integration_agrees_with_the_maps(opened: Opened) -> None:
 def test_methods_are_compared(opened: Opened) -> None:
     hands = opened(WHOLE_PANEL, materials=("ggx(alpha=0.4,f0=0.04)",), orders=(6, 4), viewer="near")
     app, pictures = hands.app, [hands.look()]
-    hands.click("without its azimuth (Kautz & McCool)")
+    hands.click("radial lobes (Kautz & McCool 2000)")
     assert app.state.method == "kautz-mccool"
     pictures.append(hands.look())
     hands.press(glfw.KEY_M)

@@ -13,12 +13,13 @@ import glfw
 from shrm.faults import one_line
 from shrm.render.picture import Object
 from shrm.render.tonemap import automatic_exposure
+from shrm.viewer.choices import MESHES, Action
 from shrm.viewer.comparison import Comparison
 from shrm.viewer.geometry import bounds
 from shrm.viewer.integration import Question
 from shrm.viewer.lighting import Lighting, Prefiltered, Request
 from shrm.viewer.orbit import Orbit, turned_light
-from shrm.viewer.panel import WIDTH, Action, Facts, Panel, draw_keys
+from shrm.viewer.panel import WIDTH, Facts, Panel, draw_keys
 from shrm.viewer.renderer import Renderer
 from shrm.viewer.scene import Scene
 from shrm.viewer.screen import Screen
@@ -28,7 +29,6 @@ from shrm.viewer.window import Controls, listen, open_window
 from shrm.viewer.worker import Worker
 
 TITLE = "shrm: environment maps in frequency space"
-MESHES = (".ply", ".obj", ".glb", ".gltf", ".stl", ".off")
 STATE_FILE = "shrm-view.json"
 METHODS = get_args(Method)
 
@@ -249,9 +249,11 @@ class Application:
                 self.refused,
                 "" if self.state.shown == "maps" else self.comparison.says,
             )
-            before = self.state.automatic
+            before = self.state
             self.state, actions = self.panel.draw(self.state, facts, height)
-            self._expose |= self.state.automatic and not before
+            self._expose |= self.state.automatic and not before.automatic
+            if self.state != before:
+                self.fault = self.said = ""
         if self.keys_shown:
             left = WIDTH if self.panel_shown else 0
             draw_keys(left, width - left, height)
@@ -334,7 +336,7 @@ class Application:
                 self.act(commands[key])
             return
         named: dict[int, Callable[[], None]] = {
-            glfw.KEY_ESCAPE: self.quit,
+            glfw.KEY_ESCAPE: self._close_keys if self.keys_shown else self.quit,
             glfw.KEY_Q: self.quit,
             glfw.KEY_F: lambda: self.act("fit"),
             glfw.KEY_S: lambda: self.act("screenshot"),
@@ -401,6 +403,9 @@ class Application:
     def _set(self, **changes: Any) -> None:
         self.state = replace(self.state, **changes)
 
+    def _close_keys(self) -> None:
+        self.keys_shown = False
+
     def _expose_always(self) -> None:
         self._set(automatic=True)
         self._expose = True
@@ -438,4 +443,4 @@ class Application:
 
 def _source(result: Prefiltered) -> tuple[object, ...]:
     """What the exposure depends on."""
-    return result.environment, result.request.materials, result.shapes
+    return result.environment, result.shapes

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from shrm.viewer.integration import ROWS
+from typing import Literal
+
+from shrm.viewer.integration import COARSENESS, ROWS
 from shrm.viewer.scene import Viewer
 from shrm.viewer.screen import AMPLIFIED
 from shrm.viewer.state import Method, Shown
+
+MESHES = (".ply", ".obj", ".glb", ".gltf", ".stl", ".off")
 
 KEYS = (
     ("left drag", "orbit around the objects"),
@@ -15,53 +19,71 @@ KEYS = (
     ("drop a file", "environment picture, mesh, or saved window (.json)"),
     ("F", "fit the objects into the picture"),
     ("R", "turn the light back"),
-    ("E", "exposure from the picture, always"),
+    ("E", "find the exposure from the picture"),
     ("B", "environment behind the objects on or off"),
-    ("M", "next method: all of the view, without azimuth, 12 views"),
-    ("1  2  3", "reflection maps, direct integration, difference"),
+    ("M", "next method: SHRM, radial lobes, 12 views"),
+    ("1  2  3", "show maps, integral, difference"),
     ("Tab", "panel on or off"),
     ("S", "screenshot: .png as shown, .exr linear"),
     ("Ctrl + S, Ctrl + O", "save the window's state, open it again"),
     ("?", "this list on or off"),
-    ("Esc, Q", "quit"),
+    ("Esc", "close this list, or quit"),
+    ("Q", "quit"),
 )
 
+Action = Literal["fit", "screenshot", "save", "open", "help"]
+
+BUTTONS: tuple[tuple[Action, str, str], ...] = (
+    ("fit", "Fit (F)", "All objects into the picture."),
+    ("screenshot", "Screenshot (S)", "shrm-001.png as shown, shrm-001.exr linear; then 002, ..."),
+    ("save", "Save", "The window's state, to shrm-view.json or the file of --state. (Ctrl+S)"),
+    ("open", "Open", "The state that was saved; others can be dropped on the window. (Ctrl+O)"),
+)
+
+# Equations are those of [RH02], Ramamoorthi & Hanrahan 2002.
 METHODS: tuple[tuple[Method, str, str], ...] = (
     (
         "shrm",
-        "all of the view (Ramamoorthi & Hanrahan)",
-        "Harmonics of the view to the order P: (P + 1)^2 maps.",
+        "SHRM (Ramamoorthi & Hanrahan 2002)",
+        "Spherical harmonic reflection maps: harmonics of the view to the order P, (P + 1)^2 maps.",
     ),
     (
         "kautz-mccool",
-        "without its azimuth (Kautz & McCool)",
-        "Lobes are held symmetric about their centre for every view: P + 1 maps.",
+        "radial lobes (Kautz & McCool 2000)",
+        "Lobes are held symmetric about their centre, whatever the view's azimuth: P + 1 maps.",
     ),
     (
         "cabral",
-        "12 views, blended (Cabral et al.)",
-        "Maps for the views of an icosahedron; between them, a blend of the nearest three.",
+        "12 views, blended (Cabral et al. 1999)",
+        "Maps for the views of an icosahedron; for views between them, a blend of the nearest three.",
     ),
 )
 VIEWERS: tuple[tuple[Viewer, str, str], ...] = (
     (
         "distant",
         "distant (eq. 12)",
-        "One dynamic map per frame: all maps are summed for one view vector, and each pixel is one look-up.",
+        "For speed: all maps are summed once a frame, for one view vector, and each pixel is one look-up. "
+        "Right for an eye that is far away. (Ramamoorthi & Hanrahan, equation 12)",
     ),
     (
         "near",
         "near (eq. 6, 7)",
-        "Summed per pixel: each has a view vector of its own and sums all maps for it.",
+        "For perspective: each pixel has a view vector of its own and sums all maps for it. "
+        "(Ramamoorthi & Hanrahan, equations 6 and 7)",
     ),
 )
 SHOWN: tuple[tuple[Shown, str, str], ...] = (
-    ("maps", "maps", "Frequency space: what this program is about."),
+    ("maps", "maps", "The picture from the maps. (1)"),
     (
         "integration",
         "integral",
-        f"The same picture by direct integration (eq. 10): a sum over the light, averaged to {2 * ROWS} x "
-        f"{ROWS} texels, in every pixel; in the background, coarse first.",
+        "The same picture by direct integration, to judge the maps: for every pixel a sum over the light, "
+        f"averaged to {2 * ROWS} x {ROWS} texels. In the background, in {len(COARSENESS)} passes, coarse "
+        "first; the last takes a minute or more. (2)",
     ),
-    ("difference", f"difference x{AMPLIFIED:g}", "Absolute, on objects; black is none."),
+    (
+        "difference",
+        f"difference x{AMPLIFIED:g}",
+        f"Of maps and integral on the objects, absolute, {AMPLIFIED:g} times as bright; black is none. (3)",
+    ),
 )

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from shrm.render.picture import Picture
-from shrm.viewer.integration import Integrated, Integration, Question
+from shrm.viewer.integration import COARSENESS, Integrated, Integration, Question
 from shrm.viewer.screen import Screen
 from shrm.viewer.worker import Worker
 
@@ -55,9 +55,9 @@ class Comparison:
     def says(self) -> str:
         """How far it is, for the panel."""
         if not self._fits or self._ready is None:
-            return "integrating ... (until then: from the maps)"
-        coarseness = self._ready.coarseness
-        how_far = "integrated" if coarseness == 1 else f"integrating ... at 1/{coarseness}"
+            return "integrating ... (until then, maps)"
+        done, passes = COARSENESS.index(self._ready.coarseness) + 1, len(COARSENESS)
+        how_far = "integrated" if done == passes else f"pass {done} of {passes}"
         if self._measured is None or self._measured[0] is not self._ready:
             return how_far
         return f"{how_far}: the maps are {100.0 * self._measured[2]:.2g} % off"

@@ -27,6 +27,8 @@ class Parameter:
         Whether the slider is.
     color : bool
         Whether it is three numbers, or one for all of them.
+    meaning : str
+        What it does, for those who do not know its letter.
     """
 
     name: str
@@ -35,6 +37,7 @@ class Parameter:
     high: float
     logarithmic: bool = False
     color: bool = False
+    meaning: str = ""
 
 
 @dataclass(frozen=True)
@@ -57,8 +60,22 @@ class Kind:
     parameters: tuple[Parameter, ...]
 
 
-_ROUGHNESS = Parameter("alpha", "roughness alpha", 0.03, 1.0, logarithmic=True)
-_F0 = Parameter("f0", "f0 (at normal)", 0.0, 1.0, color=True)
+_ROUGHNESS = Parameter(
+    "alpha",
+    "roughness alpha",
+    0.03,
+    1.0,
+    logarithmic=True,
+    meaning="How steep the microfacets are: how wide reflections.",
+)
+_F0 = Parameter(
+    "f0",
+    "f0 (at normal)",
+    0.0,
+    1.0,
+    color=True,
+    meaning="Share of the light that is reflected at normal incidence: .04 for plastic, a colour for metals.",
+)
 
 KINDS: Mapping[str, Kind] = {
     "lambert": Kind(
@@ -90,6 +107,16 @@ KINDS: Mapping[str, Kind] = {
 def kind_of(material: brdf.BRDF) -> str | None:
     """Return a material's name in `KINDS`; None for sums and others, which have no sliders."""
     return next((name for name, kind in KINDS.items() if type(material) is kind.model), None)
+
+
+def exchanged(material: brdf.BRDF, kind: Kind) -> str:
+    """Return the text of a kind's example with what it has in common with a material: parameters by name."""
+    example = brdf.parse(kind.example)
+    if kind_of(material) is None:
+        return example.name
+    common = {parameter.name for parameter in KINDS[kind_of(material) or ""].parameters}
+    same = {p.name: getattr(material, p.name) for p in kind.parameters if p.name in common}
+    return dataclasses.replace(example, **same).name  # type: ignore[type-var]
 
 
 def value_of(material: brdf.BRDF, parameter: Parameter) -> float | RGB:

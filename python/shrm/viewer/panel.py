@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 from slimgui import imgui
 
@@ -14,21 +13,23 @@ from shrm import brdf
 from shrm.icosahedral import IcosahedralMaps
 from shrm.layouts import LAYOUTS
 from shrm.reflection_map import ReflectionMap
-from shrm.viewer.choices import KEYS, METHODS, SHOWN, VIEWERS
+from shrm.viewer.choices import BUTTONS, KEYS, MESHES, METHODS, SHOWN, VIEWERS, Action
 from shrm.viewer.lighting import DAYLIGHT, F_MAX, P_MAX, Prefiltered
-from shrm.viewer.materials import KINDS, kind_of, value_of, with_value
+from shrm.viewer.materials import KINDS, exchanged, kind_of, value_of, with_value
 from shrm.viewer.state import UNTURNED, State
 
 WIDTH = 380
 SPHERE = "sphere"
 RECOGNISED = "as recognised"
 BY_PATH = "type its path and Enter, or drop it here."
+OF_LIGHT = "largest degree of the light's harmonics: how sharp reflections can be."
+OF_VIEW = "largest order of the view's harmonics: how well reflections change with the view."
 MOST_OBJECTS = 8
 MOST_CHARACTERS = 84  # of a message: two lines
 
 RED, YELLOW, GREY = (1.0, 0.35, 0.3, 1.0), (1.0, 0.8, 0.3, 1.0), (0.62, 0.64, 0.68, 1.0)
 
-Action = Literal["fit", "screenshot", "save", "open", "help"]
+SEE_THROUGH = (0.4, 0.65, 1.0, 0.45)  # the handles of sliders, which stand on what they say
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,7 @@ class Panel:
         imgui.style_colors_dark()
         style = imgui.get_style()
         style.font_scale_main = 1.15
+        style.grab_min_size = 5.0  # narrow: what a slider says stays readable
         style.window_rounding, style.frame_rounding, style.window_border_size = 0.0, 3.0, 0.0
 
     def draw(self, state: State, facts: Facts, height: float) -> tuple[State, list[Action]]:
@@ -86,30 +88,35 @@ class Panel:
         fixed = flags.NO_TITLE_BAR | flags.NO_RESIZE | flags.NO_MOVE | flags.NO_SAVED_SETTINGS
         imgui.begin("shrm", flags=fixed)
         imgui.push_item_width(-125.0)
-        self._messages(facts)
+        imgui.push_style_color(imgui.Col.SLIDER_GRAB, SEE_THROUGH)
+        self._messages(state, facts)
         state = self._light(state, facts.refused)
         state = self._objects(state)
         state = self._accuracy(state, facts)
         state = self._method(state, facts)
         state = self._picture(state, actions)
         self._times(facts)
-        imgui.separator_text("Mouse")
+        imgui.separator_text("Mouse, over the picture")
         imgui.text_colored(GREY, "left: orbit   right: turn the light")
         imgui.text_colored(GREY, "middle: pan   wheel: zoom")
         if self._button("All keys (?)"):
             actions.append("help")
+        imgui.pop_style_color()
         imgui.pop_item_width()
         imgui.end()
         return state, actions
 
     # ---- Sections
 
-    def _messages(self, facts: Facts) -> None:
+    def _messages(self, state: State, facts: Facts) -> None:
         """Say the most important thing in a place that is always as high: nothing below it moves."""
         notes = () if facts.result is None else facts.result.notes
         top, color = imgui.get_cursor_pos_y(), GREY
         text = "Drop a picture (.hdr, .exr, .png) or a mesh (.ply, .obj, .glb, .stl) here."
-        for other, message in ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault)):
+        reading = facts.result is not None and facts.result.request.environment != state.environment
+        coming = f"reading {Path(state.environment).name} ..." if reading and facts.working else ""
+        said = ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault), (GREY, coming))
+        for other, message in said:
             color, text = (other, message) if message else (color, text)
         _wrapped(color, text if color == GREY and not facts.said else _shortened(text))
         _explain(text)
@@ -122,10 +129,13 @@ class Panel:
         typed = self._entered("environment", shown, meaning)
         if typed is not None:
             path = typed if typed == DAYLIGHT else _absolute(typed)
-            state = replace(state, environment=path, layout=None)
+            if Path(path).suffix.lower() in MESHES:
+                state = replace(state, mesh=path)
+            else:
+                state = replace(state, environment=path, layout=None)
         source = refused or state.environment  # what is said of it can make a picture that was refused good
         whose = f"Of {Path(source).name}: "
-        if source != DAYLIGHT:
+        with _disabled(source == DAYLIGHT):
             known = [RECOGNISED, *LAYOUTS]
             current = RECOGNISED if refused else state.layout or RECOGNISED
             changed, chosen = imgui.combo("layout", known.index(current), known)
@@ -155,6 +165,7 @@ class Panel:
                 if imgui.radio_button(f"{index + 1}##object", index == state.selected):
                     state = replace(state, selected=index)
                 self._place(f"object {index + 1}")
+                _explain("Whose material this is; numbered from left to right, as they stand at first.")
         state = self._material(state)
         with _disabled(count == MOST_OBJECTS):
             if self._button("Add object"):
@@ -190,7 +201,7 @@ class Panel:
         changed, chosen = imgui.combo("material", current, labels)
         self._place("material")
         if changed and chosen < len(names):
-            return state.with_material(state.selected, brdf.parse(KINDS[names[chosen]].example).name)
+            return state.with_material(state.selected, exchanged(material, KINDS[names[chosen]]))
         for parameter in KINDS[kind].parameters if kind else ():
             value = value_of(material, parameter)
             if isinstance(value, tuple):
@@ -202,6 +213,7 @@ class Panel:
                     parameter.label, value, parameter.low, parameter.high, "%.3g", scale
                 )
             self._place(parameter.name)
+            _explain(parameter.meaning)
             if changed:
                 state = state.with_material(state.selected, with_value(material, parameter, value))
         meaning = "As on the command line, such as 0.5*lambert:0.8 + ggx:0.2; Enter takes it."
@@ -210,53 +222,67 @@ class Panel:
 
     def _accuracy(self, state: State, facts: Facts) -> State:
         imgui.separator_text("Accuracy")
-        if self._radio("error wanted", state.orders is None):
+        if self._radio("by tolerance", state.orders is None):
             state = replace(state, orders=None)
+        _explain("The error that is wanted chooses F and P.")
         imgui.same_line()
         mine = None if facts.result is None else _of(facts.result.maps, state.selected)
         if self._radio("orders F, P", state.orders is not None) and state.orders is None:
             state = replace(state, orders=(12, 2) if mine is None else (mine.F, mine.P))
+        _explain("F and P as they are set, whatever error they leave.")
         if state.orders is None:
             flags = imgui.SliderFlags.LOGARITHMIC | imgui.SliderFlags.CLAMP_ON_INPUT
             changed, percent = imgui.slider_float(
                 "tolerance", 100.0 * state.tolerance, 1.0, 50.0, "%.1f %%", flags
             )
             self._place("tolerance")
-            _explain("Relative RMS of the reflected light; it chooses F and P.")
+            _explain("Relative RMS error of the reflected light over all normals and views.")
             if changed:
                 state = replace(state, tolerance=round(percent / 100.0, 4))
         else:
-            F, P = state.orders
-            clamp = imgui.SliderFlags.CLAMP_ON_INPUT
-            _, F = imgui.slider_int("F", F, 0, F_MAX, "%d", clamp)
-            self._place("F")
-            _explain("Largest degree of the light: how sharp reflections are.")
-            _, P = imgui.slider_int("P", P, 0, P_MAX, "%d", clamp)
-            self._place("P")
-            _explain("Largest order of the view: how well they change with it.")
-            if state.orders != (F, P):
-                state = replace(state, orders=(F, P))
+            state = self._orders(state, *state.orders)
         if mine is None or facts.result is None:
-            imgui.text_colored(GREY, "prefiltering ...")
+            imgui.text_colored(GREY, "prefiltering ...\n ")
             return state
         drawn = facts.result.drawn[min(state.selected, len(facts.result.drawn) - 1)]
         held = drawn.maps if isinstance(drawn, IcosahedralMaps) else (drawn,)
         maps = sum(part.rings.shape[1] for rm in held for part in rm.parts)
         word = "map" if maps == 1 else "maps"
         imgui.text(f"F = {mine.F}, P = {mine.P}: {maps} {word}, 6 x {mine.size} x {mine.size}")
-        errors = facts.result.errors
-        if errors is None or state.selected >= len(errors):
-            imgui.text_colored(GREY, "predicted error: ...")
-            return state
-        error = errors[state.selected]
-        missed = state.orders is None and error > 1.01 * state.tolerance
-        whose = "predicted error" if state.method == "shrm" else "with all of the view, predicted error"
-        text = f"{whose}: {100.0 * error:.2g} %"
-        if missed:
-            _wrapped(YELLOW, f"{text}; this window stops at F = {F_MAX}, P = {P_MAX}")
-        else:
-            imgui.text(text)
+        _explain(f"F: {OF_LIGHT}\nP: {OF_VIEW}\nMaps are cubes; together they hold the reflected light.")
+        self._predicted(state, mine, facts.result.errors)
         return state
+
+    def _orders(self, state: State, F: int, P: int) -> State:
+        clamp = imgui.SliderFlags.CLAMP_ON_INPUT
+        imgui.push_item_width(150.0)
+        _, F = imgui.slider_int("F", F, 0, F_MAX, "%d", clamp)
+        self._place("F")
+        _explain(OF_LIGHT)
+        imgui.same_line()
+        _, P = imgui.slider_int("P", P, 0, P_MAX, "%d", clamp)
+        self._place("P")
+        _explain(OF_VIEW)
+        imgui.pop_item_width()
+        return state if state.orders == (F, P) else replace(state, orders=(F, P))
+
+    def _predicted(self, state: State, mine: ReflectionMap, errors: tuple[float, ...] | None) -> None:
+        if state.method != "shrm":
+            imgui.text_colored(GREY, "error: not predicted for this method")
+        elif errors is None or state.selected >= len(errors):
+            imgui.text_colored(GREY, "predicted error: ...")
+        else:
+            error = errors[state.selected]
+            text = f"predicted error: {100.0 * error:.2g} %"
+            if state.orders is None and error > 1.01 * state.tolerance:
+                most = f"P = {P_MAX}" if mine.P >= P_MAX else f"F = {F_MAX}"
+                imgui.text_colored(YELLOW, f"{text} (at most {most} here)")
+            else:
+                imgui.text(text)
+        _explain(
+            "Relative RMS over all normals and views; the difference shown below measures this picture. "
+            f"A tolerance takes F up to {F_MAX} and P up to {P_MAX}, so that pictures stay fluent."
+        )
 
     def _method(self, state: State, facts: Facts) -> State:
         imgui.separator_text("Method")
@@ -278,8 +304,7 @@ class Panel:
             if self._radio(label, state.shown == shown):
                 state = replace(state, shown=shown)
             _explain(meaning)
-        if facts.integrated:
-            imgui.text_colored(GREY, facts.integrated)
+        imgui.text_colored(GREY, facts.integrated or " ")
         return state
 
     def _picture(self, state: State, actions: list[Action]) -> State:
@@ -290,7 +315,7 @@ class Panel:
             state = replace(state, exposure=stops, automatic=False)
         changed, automatic = imgui.checkbox("auto (E)", state.automatic)
         self._place("auto")
-        _explain("Found again when light, material or mesh change; see shrm.render.automatic_exposure.")
+        _explain("Found from the picture when light or shape change; E finds it at any time.")
         if changed:
             state = replace(state, automatic=automatic)
         imgui.same_line()
@@ -298,17 +323,12 @@ class Panel:
         self._place("background")
         if changed:
             state = replace(state, background=background)
-        buttons: tuple[tuple[Action, str], ...] = (
-            ("fit", "Fit (F)"),
-            ("screenshot", "Screenshot (S)"),
-            ("save", "Save"),
-            ("open", "Open"),
-        )
-        for index, (action, label) in enumerate(buttons):
+        for index, (action, label, meaning) in enumerate(BUTTONS):
             if index:
                 imgui.same_line()
             if self._button(label):
                 actions.append(action)
+            _explain(meaning)
         return state
 
     def _times(self, facts: Facts) -> None:
@@ -383,8 +403,16 @@ def _wrapped(color: tuple[float, float, float, float], text: str) -> None:
 
 
 def _explain(text: str) -> None:
-    if imgui.is_item_hovered(imgui.HoveredFlags.DELAY_NORMAL):
-        imgui.set_tooltip(text)
+    """Explain the last control beside the panel, where nothing of it is covered."""
+    if text and imgui.is_item_hovered(
+        imgui.HoveredFlags.DELAY_NORMAL | imgui.HoveredFlags.ALLOW_WHEN_DISABLED
+    ):
+        imgui.set_next_window_pos((WIDTH + 8.0, imgui.get_item_rect_min()[1]))
+        imgui.begin_tooltip()
+        imgui.push_text_wrap_pos(380.0)
+        imgui.text(text)
+        imgui.pop_text_wrap_pos()
+        imgui.end_tooltip()
 
 
 @contextmanager

@@ -80,7 +80,7 @@ class State:
     materials: tuple[str, ...] = (GOLD,)
     mesh: str | None = None
     up: Up = "y"
-    tolerance: float = 0.1
+    tolerance: float = 0.05
     orders: tuple[int, int] | None = None
     method: Method = "shrm"
     viewer: Viewer = "distant"
@@ -158,7 +158,10 @@ class State:
         """
         text = Path(path).read_bytes()
         try:
-            values = json.loads(text.decode("utf-8"))
+            try:
+                values = json.loads(text.decode("utf-8"))
+            except ValueError:
+                values = None
             if not isinstance(values, dict) or values.pop("format", None) != FORMAT:
                 raise ValueError("it is no saved window")
             unknown = sorted(values.keys() - {item.name for item in fields(cls)})
