@@ -118,5 +118,5 @@ def test_between_views_they_are_blended():
 
 
 def test_twelve_pictures_are_asked_for():
-    with pytest.raises(ValueError, match="maps must be 12, got 3"):
+    with pytest.raises(ValueError, match=r"shape \(12, H, 2 H, 3\), got \(3, 4, 8, 3\)"):
         IcosahedralMaps.fitted(np.zeros((3, 4, 8, 3)))

@@ -6,6 +6,7 @@ import numpy as np
 import oracles
 import pytest
 from shrm import Environment, ImageError, ReflectionMap, brdf, explicit, image_io, prefilter
+from shrm.icosahedral import IcosahedralMaps
 
 MATERIALS = [
     brdf.Lambert((0.8, 0.5, 0.2)),
@@ -133,3 +134,15 @@ def test_nothing_is_left_of_a_file_that_cannot_be_written(env, tmp_path):
     with pytest.raises(ImageError):
         rm.save(tmp_path / "absent" / "map.exr")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_cubes_without_coefficients_are_not_saved(env, tmp_path):
+    rm = prefilter(env, brdf.GGX(0.4), orders=(4, 1), size=8, layout="cube")
+    with pytest.raises(ValueError, match="cannot be saved, take lat-long maps"):
+        IcosahedralMaps.of(rm).maps[3].save(tmp_path / "cube.exr")
+    assert not list(tmp_path.iterdir())
+    rm = prefilter(env, brdf.GGX(0.4), orders=(4, 1), size=8)
+    one = IcosahedralMaps.of(rm).maps[3]
+    one.save(tmp_path / "one.exr")
+    back = ReflectionMap.load(tmp_path / "one.exr")
+    np.testing.assert_array_equal(back.parts[0].rings, one.parts[0].rings)

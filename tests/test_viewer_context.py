@@ -1,6 +1,7 @@
 """Contexts of EGL, OSMesa and windows, one after another and by turns in one process."""
 
 import ctypes
+import threading
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -141,3 +142,38 @@ def test_a_renderer_without_its_context_is_released_quietly(made: Make, scene: S
 def test_a_closed_window_leaves_nothing_current(opened: Opened) -> None:
     opened().app.close()
     assert not current()
+
+
+def test_a_context_that_another_thread_holds_is_refused(made: Make, scene: Scene) -> None:
+    renderer = Renderer(24, context=made("egl"))
+    before = renderer.render(scene).radiance
+    faults: list[ContextError] = []
+
+    def draw() -> None:
+        try:
+            renderer.render(scene)
+        except ContextError as fault:
+            faults.append(fault)
+
+    thread = threading.Thread(target=draw)
+    thread.start()
+    thread.join()
+    assert len(faults) == 1
+    assert "cannot be made current" in str(faults[0])
+    np.testing.assert_array_equal(renderer.render(scene).radiance, before)
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_what_was_released_elsewhere_is_let_go(made: Make, scene: Scene, route: Route) -> None:
+    renderer, other = (Renderer(24, context=made(route)) for _ in range(2))
+    before = other.render(scene).radiance
+    renderer.render(scene)
+    renderer.context.gl.release()
+    np.testing.assert_array_equal(other.render(scene).radiance, before)
+
+
+def test_a_renderer_is_released_at_the_end_of_a_block(scene: Scene) -> None:
+    with Renderer(8) as renderer:
+        renderer.render(scene)
+    with pytest.raises(ContextError, match="released"):
+        renderer.render(scene)

@@ -117,6 +117,44 @@ def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, method
     assert compared(renderer, turned) < LARGEST[viewer]
 
 
+@pytest.mark.parametrize("method", [lambda rm: rm, IcosahedralMaps.of], ids=["SHRM", "12 views"])
+def test_clamped_maps_are_clamped_lobe_by_lobe(renderer, method):
+    material = brdf.KajiyaKay(8) + 0.2 * brdf.Lambert(0.5) + brdf.GGX(0.2)
+    sun = np.full((32, 64, 3), 0.05, np.float32)
+    sun[6, 20] = 200.0  # rings of negative radiance round it
+    maps = [
+        prefilter(Environment(sun), material, orders=(12, 4), size=32, layout="cube", clamp=clamp)
+        for clamp in (True, False)
+    ]
+    clamped, plain = (Scene([Object(Sphere(), method(rm))], CAMERA, None, "near") for rm in maps)
+    assert compared(renderer, clamped) < LARGEST["near"]
+    assert oracles.relative_rms(renderer.render(clamped).radiance, renderer.render(plain).radiance) > 1e-3
+
+
+@pytest.mark.parametrize("x", [5.0, 0.0, -0.5, -5.0])
+@pytest.mark.parametrize("shape", [Sphere(), Sphere((0.0, 0.3, 0.0), 0.6)], ids=["whole", "part"])
+def test_orthographic_rays_begin_at_the_eye(renderer, glossy, shape, x):
+    camera = Camera((x, 0.1, 0.1), target=(x - 1.0, 0.1, 0.1), height=2.5)
+    found = renderer.render(Scene([Object(shape, glossy)], camera))
+    expected = render([Object(shape, Bilinear(glossy))], camera, SIZE, SIZE, samples=1)
+    assert np.mean(found.coverage != expected.coverage) < 0.01
+    both = (found.coverage == 1) & (expected.coverage == 1)
+    assert both.any() == (x > -0.6)
+    np.testing.assert_allclose(found.radiance[both], expected.radiance[both], atol=1e-3)
+
+
+def test_more_maps_than_textures_have_layers_are_said(renderer, glossy, monkeypatch):
+    monkeypatch.setitem(
+        renderer.gl.info, "GL_MAX_ARRAY_TEXTURE_LAYERS", 6 * glossy.parts[0].rings.shape[1] - 1
+    )
+    again = replace(glossy, parts=tuple(replace(part) for part in glossy.parts))
+    fresh = Renderer(8, context=renderer.context)
+    with pytest.raises(ValueError, match="take a smaller P, or a distant viewer"):
+        fresh.render(Scene([Object(Sphere(), again)], CAMERA))
+    assert fresh.render(Scene([Object(Sphere(), again)], CAMERA, None, "distant")).radiance.any()
+    fresh.release()
+
+
 def test_both_ways_to_opengl_draw_the_same_pixels(contexts):
     if len(contexts) < 2:
         pytest.skip("this machine has one way only")

@@ -168,12 +168,18 @@ def without_azimuth(rm: ReflectionMap) -> ReflectionMap:
     ValueError
         If the maps were fitted to pictures.
     """
+    if not isinstance(rm, ReflectionMap):
+        raise TypeError(f"rm must be a ReflectionMap, got {type(rm).__name__}")
     if any(part.F < 0 for part in rm.parts):
         raise ValueError(f"{rm.brdf} was fitted to pictures, and has no coefficients to take q = 0 from")
-    parts = tuple(
-        part if part.zonal else replace(part, zonal=True).resized(part.size, part.layout) for part in rm.parts
-    )
-    return replace(rm, parts=parts, predict=partial(float, "nan"))
+    return replace(rm, parts=tuple(map(_radial, rm.parts)), predict=partial(float, "nan"))
+
+
+def _radial(part: Part) -> Part:
+    if part.zonal:
+        return part
+    radial = replace(part, zonal=True).resized(part.size, part.layout)
+    return radial.as_half() if part.rings.dtype == np.float16 else radial
 
 
 def fit(

@@ -25,7 +25,7 @@ from shrm import sh
 from shrm.brdf.lobe import Center
 from shrm.explicit import fit, icosahedron
 from shrm.reflection_map import FloatArray, Interpolation, Part, ReflectionMap, zonal_harmonics
-from shrm.validation import unit_vectors
+from shrm.validation import one_of, real_array, unit_vectors
 
 Float32Array = npt.NDArray[np.float32]
 
@@ -91,6 +91,10 @@ class IcosahedralMaps:
 
     maps: tuple[ReflectionMap, ...]
 
+    def __post_init__(self) -> None:
+        if len(self.maps) != len(icosahedron()):
+            raise ValueError(f"maps must be {len(icosahedron())}, got {len(self.maps)}")
+
     @classmethod
     def of(cls, rm: ReflectionMap) -> IcosahedralMaps:
         """Return the maps that a SHRM has for the twelve views: between them it is not asked.
@@ -98,8 +102,16 @@ class IcosahedralMaps:
         Parameters
         ----------
         rm : ReflectionMap
-            Of any material; each of its lobes gets twelve maps of its own, about its centre.
+            Of any material; each of its lobes gets twelve maps of its own, about its centre and on its grid,
+            which is a cube for maps that the GPU is to draw.
+
+        Raises
+        ------
+        TypeError
+            If it is no reflection map.
         """
+        if not isinstance(rm, ReflectionMap):
+            raise TypeError(f"rm must be a ReflectionMap, got {type(rm).__name__}")
         lobes = [_at_vertices(part) for part in rm.parts]
         return cls(tuple(replace(rm, parts=parts) for parts in zip(*lobes, strict=True)))
 
@@ -119,9 +131,9 @@ class IcosahedralMaps:
         TypeError, ValueError
             If the maps have another shape.
         """
-        pixels, views = np.asarray(maps), icosahedron()
-        if len(pixels) != len(views):
-            raise ValueError(f"maps must be {len(views)}, got {len(pixels)}")
+        pixels, views = real_array("maps", maps), icosahedron()
+        if pixels.ndim != 4 or len(pixels) != len(views):
+            raise ValueError(f"maps must have the shape (12, H, 2 H, 3), got {pixels.shape}")
         one = [slice(k, k + 1) for k in range(len(views))]
         return cls(tuple(fit(pixels[k], views[k], P=0, center=center) for k in one))
 
@@ -144,6 +156,7 @@ class IcosahedralMaps:
         interpolation: Interpolation = "cubic",
     ) -> Float32Array:
         """Return the radiance reflected towards the eye, (n, 3); all as `ReflectionMap.radiance` has it."""
+        one_of("interpolation", interpolation, ("cubic", "bilinear"))
         N = unit_vectors("normals", normals)
         V = unit_vectors("views", views, 1 if np.ndim(views) == 1 else len(N))
         T = None if tangents is None else unit_vectors("tangents", tangents, len(N))

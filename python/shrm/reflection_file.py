@@ -53,7 +53,11 @@ def save(rm: ReflectionMap, path: str | Path) -> None:
     ------
     shrm.ImageError
         If the file cannot be written.
+    ValueError
+        If a cube map has no coefficients: its borders, which a file does not hold, are made from them.
     """
+    if any(part.layout == "cube" and part.F < 0 for part in rm.parts):
+        raise ValueError(f"{rm.brdf}: cube maps without coefficients cannot be saved, take lat-long maps")
     parts: list[image_io.Part] = []
     for k, part in enumerate(rm.parts):
         about: dict[str, str | int | float] = {

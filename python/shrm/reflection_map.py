@@ -230,7 +230,7 @@ class ReflectionMap:
     window : str or None
         The window on the degrees.
     clamp : bool
-        Whether negative radiance is set to zero when read.
+        Whether negative radiance is set to zero when read, lobe by lobe.
     predict : callable
         Computes `error` when it is first asked for: it takes longer than the maps.
     """
@@ -317,6 +317,7 @@ class ReflectionMap:
             T = unit_vectors("tangents", tangents, len(N))
         radiance = np.zeros(N.shape, dtype=np.float32)
         for part in self.parts:
+            of_lobe = np.zeros_like(radiance) if self.clamp else radiance
             _core.add_radiance(
                 rings=part.rings,
                 cube=part.layout == "cube",
@@ -326,9 +327,11 @@ class ReflectionMap:
                 axes=T if part.center == "tangent" else N,
                 views=V,
                 bilinear=interpolation == "bilinear",
-                radiance=radiance,
+                radiance=of_lobe,
             )
-        return np.maximum(radiance, 0) if self.clamp else radiance
+            if self.clamp:
+                radiance += np.maximum(of_lobe, 0)
+        return radiance
 
     def at_view(
         self, view: npt.ArrayLike, out: Float32Array | None = None
@@ -370,10 +373,9 @@ class ReflectionMap:
                 require_array("out", out, part.shape, np.float32, writeable=True)
             pixels = np.empty(part.shape, dtype=np.float32) if out is None else out
             part.sum_for_view(V, pixels)
-            maps[name] = maps[name] + pixels if name in maps else pixels
-        if self.clamp:
-            for pixels in maps.values():
+            if self.clamp:
                 np.maximum(pixels, 0, out=pixels)
+            maps[name] = maps[name] + pixels if name in maps else pixels
         return next(iter(maps.values())) if len(maps) == 1 else maps
 
     def save(self, path: str | Path) -> None:

@@ -30,7 +30,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--up", choices=("y", "z"), help="the mesh file's upward axis (default y)")
-    add_orders(command, default=0.05)
+    add_orders(command, default=0.08)
     add_viewer(command, default="distant")
     command.set_defaults(tolerance=None, viewer=None)  # what is not given is as in --state
     add(

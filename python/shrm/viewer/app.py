@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import glfw
 
@@ -15,10 +15,11 @@ from shrm.render.picture import Object
 from shrm.render.tonemap import automatic_exposure
 from shrm.viewer.choices import MESHES, Action
 from shrm.viewer.comparison import Comparison
+from shrm.viewer.drag import Drag, begun, dragged
 from shrm.viewer.geometry import bounds
 from shrm.viewer.integration import Question
 from shrm.viewer.lighting import Lighting, Prefiltered, Request
-from shrm.viewer.orbit import Orbit, turned_light
+from shrm.viewer.orbit import Orbit
 from shrm.viewer.panel import WIDTH, Facts, Panel, draw_keys
 from shrm.viewer.renderer import Renderer
 from shrm.viewer.scene import Scene
@@ -31,8 +32,6 @@ from shrm.viewer.worker import Worker
 TITLE = "shrm: environment maps in frequency space"
 STATE_FILE = "shrm-view.json"
 METHODS = get_args(Method)
-
-Drag = Literal["orbit", "pan", "light"]
 
 Faults = (OSError, ValueError, TypeError, RuntimeError, MemoryError)
 
@@ -113,7 +112,8 @@ class Application:
         while not glfw.window_should_close(self.window):
             self.frame()
             self._lively = max(0, self._lively - 1)
-            sampling = self.result is not None and not self.screen.complete
+            visible = min(self._picture_extent()) > 0
+            sampling = visible and self.result is not None and not self.screen.complete
             if self._lively or sampling:
                 glfw.poll_events()
             else:  # until something happens, or a worker has something
@@ -224,7 +224,13 @@ class Application:
                 self.state.viewer,
                 replace(self.state, light=result.request.light).R,
             )
-            self.renderer.draw(scene, self.screen.drawn, self.screen.shift)
+            try:
+                self.renderer.draw(scene, self.screen.drawn, self.screen.shift)
+            except ValueError as fault:  # more maps than textures have layers
+                if self.state.viewer == "distant":
+                    raise
+                self._say_fault(fault)
+                self._set(viewer="distant")
             self.renderer.resources.end_frame()
             self.screen.add_sample()
         self._show(result, (width, height))
@@ -292,13 +298,7 @@ class Application:
         if action == glfw.RELEASE:
             self._drag = None
         elif self._over_picture():
-            shift = bool(mods & glfw.MOD_SHIFT)
-            drags: dict[int, Drag] = {
-                glfw.MOUSE_BUTTON_LEFT: "pan" if shift else "orbit",
-                glfw.MOUSE_BUTTON_MIDDLE: "pan",
-                glfw.MOUSE_BUTTON_RIGHT: "light",
-            }
-            self._drag = drags.get(button)
+            self._drag = begun(button, mods)
 
     def on_cursor(self, x: float, y: float) -> None:
         """The pointer moved: a drag goes on."""
@@ -306,16 +306,8 @@ class Application:
         self.controls.on_cursor(x, y)
         dx, dy = x - self._cursor[0], y - self._cursor[1]
         self._cursor = x, y
-        eye = self.state.eye
-        if eye is None:
-            return
-        if self._drag == "orbit":
-            self.state = replace(self.state, eye=eye.orbited(dx, dy))
-        elif self._drag == "pan":
-            height = glfw.get_window_size(self.window)[1]
-            self.state = replace(self.state, eye=eye.panned(dx, dy, max(1, height)))
-        elif self._drag == "light":
-            self.state = self.state.with_light(turned_light(self.state.R, dx, dy, eye.camera))
+        height = max(1, glfw.get_window_size(self.window)[1])
+        self.state = dragged(self.state, self._drag, dx, dy, height)
 
     def on_scroll(self, dx: float, dy: float) -> None:
         """The wheel turned: zoom."""

@@ -40,11 +40,14 @@ class Context:
         How it was made.
     window : object or None
         GLFW's window, if it belongs to one.
+    handle : int or None
+        EGL's own name of it.
     """
 
     gl: moderngl.Context
     route: Route
     window: Any = None
+    handle: int | None = None
 
     @property
     def released(self) -> bool:
@@ -64,6 +67,11 @@ class Context:
         if _current() is not self:
             leave()
         self.gl.mglo.__enter__()
+        if self.route == "egl" and _egl_current() != self.handle:  # glcontext does not say so
+            raise ContextError(
+                "the OpenGL context (egl) cannot be made current: another thread draws in it, or another "
+                "library's context is current in this one"
+            )
         _thread.current = self
 
     def release(self) -> None:
@@ -80,7 +88,8 @@ def leave() -> None:
     current = _current()
     if current is not None:
         _thread.current = None
-        current.gl.mglo.__exit__(None, None, None)
+        if not current.released:  # in another thread, or by whoever took its moderngl context
+            current.gl.mglo.__exit__(None, None, None)
 
 
 def _current() -> Context | None:
@@ -116,9 +125,18 @@ def offscreen(routes: tuple[Route, ...] = ROUTES) -> Context:
 
 def _egl() -> Context:
     names: Any = {"backend": "egl", "libegl": "libEGL.so.1", "libgl": "libGL.so.1"}
-    context = Context(moderngl.create_context(standalone=True, require=VERSION, **names), "egl")
+    gl = moderngl.create_context(standalone=True, require=VERSION, **names)
+    context = Context(gl, "egl", handle=_egl_current())
     _thread.current = context
     return context
+
+
+def _egl_current() -> int | None:
+    """EGL's name of the context that is current in this thread."""
+    current = ctypes.CDLL("libEGL.so.1").eglGetCurrentContext
+    current.restype = ctypes.c_void_p
+    name: int | None = current()
+    return name
 
 
 def _osmesa() -> Context:

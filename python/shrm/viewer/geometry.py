@@ -104,6 +104,7 @@ def clip_from_world(
 
     clip = np.zeros((4, 4))
     if camera.height is not None:
+        near = max(near, 0.0)  # rays begin in the plane of the eye
         clip[0, 0], clip[1, 1] = 2.0 / (camera.height * aspect), 2.0 / camera.height
         clip[2, 2], clip[2, 3] = 2.0 / (far - near), -(far + near) / (far - near)
         clip[3, 3] = 1.0

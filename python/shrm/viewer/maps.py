@@ -93,6 +93,12 @@ class Lobe(ABC):
             maps, side = rings.shape[1], rings.shape[3]
             faces = rings.reshape(6, side, maps, 3, side).transpose(0, 2, 1, 4, 3)
             if self._layered is None:
+                most = self._gl.info["GL_MAX_ARRAY_TEXTURE_LAYERS"]
+                if 6 * maps > most:
+                    raise ValueError(
+                        f"{maps} maps for a near viewer are {6 * maps} layers, and this OpenGL has {most} at "
+                        "most: take a smaller P, or a distant viewer"
+                    )
                 self._layered = self._gl.texture_array((side, side, 6 * maps), 3, dtype="f4")
                 self._layered.filter = (moderngl.LINEAR, moderngl.LINEAR)
             self._layered.write(np.ascontiguousarray(faces, np.float32))
@@ -149,6 +155,7 @@ class IcosahedralLobe(Lobe):
     def renew(self, material: IcosahedralMaps) -> None:
         """Take other maps of the same shape."""
         self._parts = [as_cube(rm.parts[self._index], self._size) for rm in material.maps]
+        self._clamp = material.clamp
         self._take(self._parts[0])
         self._of_views: Float32Array | None = None
 
@@ -157,6 +164,8 @@ class IcosahedralLobe(Lobe):
             self._of_views = np.empty((len(self._parts), *pixels.shape), np.float32)
             for part, of_view in zip(self._parts, self._of_views, strict=True):
                 part.sum_for_view(view, of_view)  # P = 0: the same for all views
+            if self._clamp:
+                np.maximum(self._of_views, 0.0, out=self._of_views)
         pixels[:] = 0.0
         (shares,) = weights(view)
         for k in np.flatnonzero(shares):

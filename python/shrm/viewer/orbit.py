@@ -39,6 +39,18 @@ class Orbit:
     target: Vector = (0.0, 0.0, 0.0)
     fov: float = 30.0
 
+    def __post_init__(self) -> None:
+        if len(self.target) != 3 or not np.all(np.abs(self.target) <= FARTHEST):
+            raise ValueError(f"target must be three numbers within {FARTHEST:g}, got {self.target!r}")
+        for name, low, high in (
+            ("azimuth", -1e6, 1e6),
+            ("elevation", -90.0, 90.0),
+            ("distance", NEAREST, FARTHEST),
+            ("fov", 1e-3, 179.0),
+        ):
+            if not low <= getattr(self, name) <= high:
+                raise ValueError(f"{name} must be from {low:g} to {high:g}, got {getattr(self, name)!r}")
+
     @property
     def camera(self) -> Camera:
         """The camera."""

@@ -34,6 +34,8 @@ LARGEST = 16384
 class Renderer:
     """Draws scenes with OpenGL, without a window.
 
+    What it holds on the GPU stays there until `release`, or to the end of a `with` statement.
+
     Parameters
     ----------
     size : int or (int, int)
@@ -135,6 +137,12 @@ class Renderer:
             held.release()
         if self._owns_context:
             self.context.release()
+
+    def __enter__(self) -> Renderer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
 
     # ---- Drawing
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -80,7 +79,7 @@ class State:
     materials: tuple[str, ...] = (GOLD,)
     mesh: str | None = None
     up: Up = "y"
-    tolerance: float = 0.05
+    tolerance: float = 0.08
     orders: tuple[int, int] | None = None
     method: Method = "shrm"
     viewer: Viewer = "distant"
@@ -109,9 +108,11 @@ class State:
         one_of("shown", self.shown, get_args(Shown))
         require_tolerance(self.tolerance)
         if self.orders is not None:
+            if len(self.orders) != 2:
+                raise ValueError(f"orders must be F and P, got {self.orders!r}")
             require_orders(*self.orders)
-        if not isinstance(self.exposure, (int, float)) or not math.isfinite(self.exposure):
-            raise ValueError(f"exposure must be a finite number, got {self.exposure!r}")
+        if isinstance(self.exposure, bool) or not -100.0 <= self.exposure <= 100.0:
+            raise ValueError(f"exposure must be from -100 to 100 stops, got {self.exposure!r}")
         for name in ("automatic", "background", "repair"):
             if not isinstance(getattr(self, name), bool):
                 raise TypeError(f"{name} must be true or false, got {getattr(self, name)!r}")
@@ -160,7 +161,7 @@ class State:
         try:
             try:
                 values = json.loads(text.decode("utf-8"))
-            except ValueError:
+            except (ValueError, RecursionError):
                 values = None
             if not isinstance(values, dict) or values.pop("format", None) != FORMAT:
                 raise ValueError("it is no saved window")
@@ -168,7 +169,7 @@ class State:
             if unknown:
                 raise ValueError(f"{unknown[0]!r} is unknown")
             return cls(**_from_json(values))
-        except (ValueError, TypeError, KeyError) as fault:  # also of JSON and of UTF-8
+        except (ValueError, TypeError, KeyError, OverflowError) as fault:
             raise ValueError(f"{path}: {fault}") from None
 
 

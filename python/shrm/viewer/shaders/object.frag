@@ -1,7 +1,6 @@
 // Reflected light of one lobe of an object: linear radiance, and 1 for its coverage if it is the first.
 uniform bool distant;
 uniform bool first_lobe;
-uniform bool clamped;
 uniform vec3 axis;  // tangents run around it
 uniform sampler2D picture;  // multiplies the reflected light [RH02 section 3]
 

@@ -12,8 +12,10 @@ bool find_surface(out Surface surface) {
     float half_chord = sphere.w * sphere.w - dot(across, across);
     if (half_chord <= 0.0) return false;
     half_chord = sqrt(half_chord);
-    vec3 eye_offset = orthographic ? vec3(0.0) : eye - sphere.xyz;
-    bool inside = !orthographic && dot(eye_offset, eye_offset) < sphere.w * sphere.w;
+    // From where the ray begins, the eye or the plane across it, to the middle of the chord.
+    float middle = orthographic ? dot(at + to_middle * ray - eye, forward) : dot(sphere.xyz - eye, ray);
+    if (middle + half_chord <= 0.0) return false;
+    bool inside = middle - half_chord <= 0.0;
     vec3 outward = (across + (inside ? half_chord : -half_chord) * ray) / sphere.w;
     surface.normal = inside ? -outward : outward;
     surface.towards_eye = -ray;

@@ -5,6 +5,8 @@ uniform bool orthographic;
 uniform vec3 eye;      // world
 uniform vec3 forward;  // from the eye into the picture
 
+uniform bool clamped;  // whether negative radiance of a lobe is set to zero
+
 struct Surface {
     vec3 normal;       // unit, on the side that is seen
     vec3 towards_eye;  // unit
