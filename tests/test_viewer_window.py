@@ -103,7 +103,7 @@ def test_controls_of_method_accuracy_and_picture(opened: Opened) -> None:
     hands.click("orders F, P")
     assert app.result is not None
     assert app.state.orders == (app.result.maps[0].F, app.result.maps[0].P)
-    hands.click("near (eq. 6, 7)")
+    hands.click("near (eq. 7)")
     assert app.state.viewer == "near"
     near = hands.look()
     hands.click("distant (eq. 12)")

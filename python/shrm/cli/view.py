@@ -30,7 +30,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--up", choices=("y", "z"), help="the mesh file's upward axis (default y)")
-    add_orders(command, default=0.08)
+    add_orders(command, default=0.06)
     add_viewer(command, default="distant")
     command.set_defaults(tolerance=None, viewer=None)  # what is not given is as in --state
     add(
@@ -46,7 +46,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="show the environment (default)",
     )
     add("--state", metavar="FILE", help="a saved window (.json) to go on from; Ctrl+S saves to it")
-    add("--size", type=extent, default=(1280, 860), metavar="WxH", help="of the window (default 1280x860)")
+    add("--size", type=extent, default=(1280, 900), metavar="WxH", help="of the window (default 1280x900)")
 
 
 def run(options: argparse.Namespace) -> None:

@@ -69,7 +69,7 @@ class Application:
         self,
         state: State,
         width: int = 1280,
-        height: int = 860,
+        height: int = 900,
         *,
         visible: bool = True,
         folder: str | Path = ".",

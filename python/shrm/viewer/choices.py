@@ -67,7 +67,7 @@ VIEWERS: tuple[tuple[Viewer, str, str], ...] = (
     ),
     (
         "near",
-        "near (eq. 6, 7)",
+        "near (eq. 7)",
         "For perspective: each pixel has a view vector of its own and sums all maps for it. "
         "(Ramamoorthi & Hanrahan, equations 6 and 7)",
     ),

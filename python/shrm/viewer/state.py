@@ -79,7 +79,7 @@ class State:
     materials: tuple[str, ...] = (GOLD,)
     mesh: str | None = None
     up: Up = "y"
-    tolerance: float = 0.08
+    tolerance: float = 0.06
     orders: tuple[int, int] | None = None
     method: Method = "shrm"
     viewer: Viewer = "distant"
