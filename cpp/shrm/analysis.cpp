@@ -21,19 +21,12 @@ inline void planes(const float* north, const float* south, int W, int channels, 
     int j = 0;
     if (channels == 3)
         for (; j + lanes <= W; j += lanes) {
-            Floats s[3], d[3];
-            for (int v = 0; v < 3; ++v) {
-                const Floats n = load(north + 3 * j + v * lanes), m = load(south + 3 * j + v * lanes);
-                s[v] = n + m;
-                d[v] = n - m;
+            Floats of_channels[6];
+            sum_and_difference<false>(north + 3 * j, south + 3 * j, of_channels);
+            for (int c = 0; c < 3; ++c) {
+                store(sum + c * W + j, of_channels[c]);
+                store(difference + c * W + j, of_channels[3 + c]);
             }
-            const auto put = [&](const Floats* v, float* to) {
-                store(to + j, channel_of_three<0>(v[0], v[1], v[2]));
-                store(to + W + j, channel_of_three<1>(v[0], v[1], v[2]));
-                store(to + 2 * W + j, channel_of_three<2>(v[0], v[1], v[2]));
-            };
-            put(s, sum);
-            put(d, difference);
         }
     for (; j < W; ++j)
         for (int c = 0; c < channels; ++c) {
@@ -168,6 +161,11 @@ void Analysis::fourier_step(const float* pixels, int first_ring, Scratch& scratc
         const int north = first_ring + i, south = H_ - 1 - north;
         // The equator's ring mirrors onto itself, and is taken once.
         const float* mirrored = pixels + size(south) * ring;
+        if (channels_ == 3 && north != south && fourier_.fold_pair_serves()) {
+            fourier_.fold_pair(pixels + size(north) * ring, mirrored, 2 * channels_ * i, rows,
+                               scratch.folded.data());
+            continue;
+        }
         planes(pixels + size(north) * ring, mirrored, W_, channels_, sum, difference);
         if (north == south)
             for (std::size_t j = 0; j < ring; ++j) sum[j] /= 2;

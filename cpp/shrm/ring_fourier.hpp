@@ -18,6 +18,11 @@ class RingFourier {
 
     // Folds `count` rings, planar (count, W), to the rows from `first` on of folded (folds(), rows, pitch()).
     void fold(const float* planar, int count, int first, int rows, float* folded) const;
+    // The same for the sum and the difference of two rings of three channels, texel by texel (W, 3): rows
+    // `first` to `first` + 5 are the channels of the sum, then of the difference. For the W that
+    // fold_pair_serves.
+    void fold_pair(const float* north, const float* south, int first, int rows, float* folded) const;
+    bool fold_pair_serves() const;
     // modes(row, j) = sum over the ring of row(k) cos(m phi_k), or sin(m phi_k), for the orders of each fold,
     // from the folded rows: mode_at() says where m is.
     //   folded (folds(), rows, pitch()), modes (rows, mode_pitch())

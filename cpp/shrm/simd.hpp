@@ -70,29 +70,52 @@ inline Floats reversed(Floats v) {
     return shuffled<[](int i) { return lanes - 1 - i; }>(v, v);
 }
 
-// Channel C of `lanes` texels of three channels, interleaved in three vectors.
-template <int C>
+// Where three channels are interleaved in three vectors, each lane holds a channel in one of them alone: the
+// second vector's lanes where that is vector V, the first one's elsewhere.
+template <int V, int channel>
+struct WithChannel {
+    static_assert(lanes % 3 != 0);
+    constexpr int operator()(int i) const { return i + ((V * lanes + i) % 3 == channel ? lanes : 0); }
+};
+
+// The lane of texel i of a channel, in whichever vector; backwards, that of texel i from the last.
+template <int channel, bool backwards>
+struct LaneOfThree {
+    constexpr int operator()(int i) const { return (3 * (backwards ? lanes - 1 - i : i) + channel) % lanes; }
+};
+
+// Channel C of `lanes` texels of three channels, interleaved in three vectors; the last texel first if
+// backwards.
+template <int C, bool backwards = false>
 inline Floats channel_of_three(Floats a, Floats b, Floats c) {
-    // First from a and b, then the lanes that lie in c.
-    const Floats ab = shuffled<[](int i) { return 3 * i + C < 2 * lanes ? 3 * i + C : 0; }>(a, b);
-    return shuffled<[](int i) { return 3 * i + C < 2 * lanes ? i : 3 * i + C - lanes; }>(ab, c);
+    const Floats ab = shuffled<WithChannel<1, C>{}>(a, b), abc = shuffled<WithChannel<2, C>{}>(ab, c);
+    return shuffled<LaneOfThree<C, backwards>{}>(abc, abc);
+}
+
+// Channels of the sum (0 to 2) and of the difference (3 to 5) of `lanes` texels of two rows, interleaved; the
+// last texel first if backwards.
+template <bool backwards>
+inline void sum_and_difference(const float* north, const float* south, Floats (&channels)[6]) {
+    Floats s[3], d[3];
+    unrolled<3>([&](auto v) {
+        const Floats n = load(north + v * lanes), m = load(south + v * lanes);
+        s[v] = n + m;
+        d[v] = n - m;
+    });
+    unrolled<3>([&](auto c) {
+        channels[c] = channel_of_three<c, backwards>(s[0], s[1], s[2]);
+        channels[3 + c] = channel_of_three<c, backwards>(d[0], d[1], d[2]);
+    });
 }
 
 // Every texel of one channel to the lane where it stands in whichever of the three vectors holds it there.
 template <int channel>
 struct SpreadOfThree {
-    static_assert(lanes % 3 != 0);  // no lane serves the channel in two of them
     constexpr int operator()(int i) const {
         int value = i;
         while (value % 3 != channel) value += lanes;
         return value / 3;
     }
-};
-
-// The second vector's lanes where the channel has its place, the first one's elsewhere.
-template <int V, int channel>
-struct WithChannel {
-    constexpr int operator()(int i) const { return i + ((V * lanes + i) % 3 == channel ? lanes : 0); }
 };
 
 // Stores `lanes` texels whose three channels a, b and c are: the inverse of channel_of_three.
