@@ -16,6 +16,7 @@
 #include "shrm/evaluation.hpp"
 #include "shrm/explicit_maps.hpp"
 #include "shrm/grid.hpp"
+#include "shrm/hierarchical.hpp"
 #include "shrm/layouts.hpp"
 #include "shrm/map_coefficients.hpp"
 #include "shrm/radiance.hpp"
@@ -225,6 +226,10 @@ void integrators() {
                     const angular::RadialProfile profile{values, channels, segments, 21, 100, 2.5};
                     for (double outer : {0.3, shrm::pi}) {
                         angular::integrate_radial(picture, profile, outer, axes, out);
+                        const shrm::Pyramid pyramid(random_values<float>(size(H) * size(W) * 3), H, W);
+                        for (double threshold : {0., 0.1})
+                            shrm::hierarchical::integrate_radial(pyramid, profile, 1, {threshold, outer, 0.2},
+                                                                 axes, out);
                         for (int map_W : {5, 8})
                             for (bool symmetry : {false, true}) {
                                 std::vector<float> map(size(3 * map_W * 3));

@@ -11,7 +11,7 @@ from shrm._core import processor
 SCRIPT = """
 import sys
 import numpy as np
-from shrm import Environment, brdf, prefilter, sh
+from shrm import Environment, brdf, prefilter, prefilter_hierarchical, sh
 from shrm.reference import prefilter_angular
 
 env = Environment.daylight(size=64)
@@ -35,6 +35,9 @@ for symmetry in (True, False):
     results[f"angular map {symmetry}"] = maps.at_view([0, 0, 1])
 facets = prefilter_angular(env, brdf.Microfacet(0.2), tolerance=0.05, size=16, subsamples=1)
 results["half-angle map"] = facets.at_view([0.6, 0, 0.8])
+descent = prefilter_hierarchical(env, brdf.Phong(64) + brdf.Lambert(0.5), threshold=1e-3, size=24)
+for centre, pixels in descent.at_view([0, 0, 1]).items():
+    results[f"hierarchical, {centre}"] = pixels
 np.savez(sys.argv[1], **results)
 """
 

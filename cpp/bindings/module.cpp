@@ -11,6 +11,7 @@ void bind_wigner(pybind11::module_& module);
 void bind_brdf_analysis(pybind11::module_& module);
 void bind_reflection_map(pybind11::module_& module);
 void bind_angular(pybind11::module_& module);
+void bind_hierarchical(pybind11::module_& module);
 }  // namespace shrm::bindings
 
 PYBIND11_MODULE(SHRM_MODULE, module) {
@@ -25,4 +26,5 @@ PYBIND11_MODULE(SHRM_MODULE, module) {
     bind_brdf_analysis(module);
     bind_reflection_map(module);
     bind_angular(module);
+    bind_hierarchical(module);
 }

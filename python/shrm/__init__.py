@@ -9,11 +9,12 @@ rendered in real time:
 >>> radiance = rm.radiance([[0.0, 0.0, 1.0]], [0.6, 0.0, 0.8])
 
 The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `orders`, `reflection_map`,
-`explicit`, `reference`, `cost`, `prefiltering`, `methods`, `relighting`, `render`.
+`explicit`, `reference`, `hierarchical`, `cost`, `prefiltering`, `methods`, `relighting`, `render`.
 """
 
 from shrm import brdf, explicit, orders, sh
 from shrm.environment import Environment
+from shrm.hierarchical import prefilter_hierarchical
 from shrm.image_io import ImageError, ImageWarning
 from shrm.methods import prefilter
 from shrm.orders import ToleranceWarning
@@ -35,5 +36,6 @@ __all__ = [
     "orders",
     "prefilter",
     "prefilter_angular",
+    "prefilter_hierarchical",
     "sh",
 ]

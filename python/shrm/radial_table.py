@@ -49,6 +49,8 @@ class RadialTable:
         Angle within which all but the tolerance of the integral of |u| lies, pi for tolerance 0.
     width : float
         Angle within which half of it lies.
+    integral : float
+        Of |u| over the sphere, of the largest channel.
     error : float
         Relative root mean square error over the sphere, of cubics evaluated in float32.
     """
@@ -59,6 +61,7 @@ class RadialTable:
     support: float
     outer: float
     width: float
+    integral: float
     error: float
 
 
@@ -71,6 +74,8 @@ def radial_table(profile: Profile, tolerance: float) -> RadialTable:
     s = np.arange(NODES + 1) / NODES
     u = of_square(s**2)
     outer, width = (np.pi if part == 0 else _angle_within(s, u, part) for part in (tolerance, 0.5))
+    # sin(theta) d(theta) = 4 s ds
+    integral = float((8 * np.pi * np.abs(u) * s[:, None]).mean(axis=0).max())
     end = _support(of_square, s, u)
     support = float(np.pi) if end > 1 else float(2 * np.arcsin(np.sqrt(end)))
     best: RadialTable | None = None
@@ -81,7 +86,7 @@ def radial_table(profile: Profile, tolerance: float) -> RadialTable:
         shift = 24 - each.bit_length()
         error = relative_rms(_radial_at(values, shift, scale, s**2), u, s[:, None])
         if best is None or error < best.error:
-            best = RadialTable(values, shift, scale, support, outer, width, error)
+            best = RadialTable(values, shift, scale, support, outer, width, integral, error)
     assert best is not None
     return best
 
@@ -132,14 +137,26 @@ def _radial_at(values: npt.NDArray[np.float32], shift: int, scale: float, q: Arr
     return np.asarray((((c[:, 3] * x + c[:, 2]) * x + c[:, 1]) * x + c[:, 0]).T, dtype=np.float64)
 
 
+def integral_within(profile: Profile) -> tuple[Array, Array]:
+    """Angles from 0 to pi, and the part of the integral of |u| that lies within each."""
+    s = np.arange(NODES + 1) / NODES
+    energy = _energy_within(s, channels_last(profile(1 - 2 * s**2)))
+    return 2 * np.arcsin(s), energy / energy[-1] if energy[-1] > 0 else np.ones_like(s)
+
+
 def _angle_within(s: Array, u: Array, left_out: float) -> float:
-    # theta_i* of [RH02] appendix D, by quadrature for any profile; sin(theta) d(theta) = 4 s ds
-    density = np.abs(u).sum(axis=1) * s
-    energy = np.concatenate([[0], np.cumsum(density[1:] + density[:-1])])
+    # theta_i* of [RH02] appendix D, by quadrature for any profile
+    energy = _energy_within(s, u)
     if energy[-1] == 0:
         return float(np.pi)
     k = np.searchsorted(energy, (1 - left_out) * energy[-1])
     return float(2 * np.arcsin(s[min(k, len(s) - 1)]))
+
+
+def _energy_within(s: Array, u: Array) -> Array:
+    """The integral of |u| up to each angle, in any unit; sin(theta) d(theta) = 4 s ds."""
+    density = np.abs(u).sum(axis=1) * s
+    return np.concatenate([[0], np.cumsum(density[1:] + density[:-1])])
 
 
 # ---- Arrays

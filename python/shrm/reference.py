@@ -102,7 +102,7 @@ def integrate(
     TypeError, ValueError
         If an argument is not as described.
     """
-    pixels = _pixels(env)
+    pixels = pixels_of(env)
     n, v, t = _queries(brdf.lobes, normals, views, tangents)
     nodes, power = _nodes(pixels, whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES))
     result = np.zeros((len(n), 3))
@@ -200,7 +200,7 @@ def prefilter_angular(
     TypeError, ValueError
         If an argument is not as described.
     """
-    pixels = _pixels(env)
+    pixels = pixels_of(env)
     tolerance = fraction("tolerance", tolerance)
     one_of("layout", layout, DEFAULT_SIZE)
     if center is not None:
@@ -272,7 +272,7 @@ class AngularReflection:
         }
         self._parts = tuple(parts)
         self._symmetry = symmetry
-        self._directions = _directions(layout, size)
+        self._directions = map_directions(layout, size)
         self._radial_maps: dict[int, Radiance] = {}
         self.error = max(part.error for part in parts)
         self.subsamples = subsamples
@@ -383,7 +383,7 @@ class AngularReflection:
 # ---- Directions
 
 
-def _directions(layout: str, size: int) -> Array:
+def map_directions(layout: str, size: int) -> Array:
     """Texel directions: (size, 2 size, 3), or (6, size, size, 3) as the layout `strip` has them."""
     if layout == "latlong":
         return layouts.directions("latlong", size, 2 * size)
@@ -393,7 +393,8 @@ def _directions(layout: str, size: int) -> Array:
 # ---- At the door
 
 
-def _pixels(env: Environment) -> npt.NDArray[np.float32]:
+def pixels_of(env: Environment) -> npt.NDArray[np.float32]:
+    """The picture of an environment, (H, W, 3), contiguous."""
     if not hasattr(env, "pixels"):
         raise TypeError(f"env must be an Environment, got {type(env).__name__}")
     pixels = real_array("env.pixels", env.pixels)

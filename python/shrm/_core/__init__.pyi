@@ -135,3 +135,25 @@ def angular_zonal(
 def angular_isotropic(
     *, planes: F32, subsamples: int, envelope: F32, ratio: F32, caps: F64, normals: F64, views: F64
 ) -> F32: ...
+
+# hierarchical
+HIERARCHICAL_BLOCK: int
+
+class Pyramid:
+    def __init__(self, pixels: F32, /) -> None: ...
+    @property
+    def levels(self) -> int: ...
+
+def hierarchical_radial(
+    *,
+    pyramid: Pyramid,
+    profile: F32,
+    shift: int,
+    scale: float,
+    support: float,
+    integral: float,
+    threshold: float,
+    outer: float,
+    finest: float,
+    centres: F64,
+) -> tuple[F32, float]: ...

@@ -1,10 +1,12 @@
-"""The tables and figures of [RH02], made again with the paper's own figures beside them.
+"""The tables and figures of [RH02] and [KVHS00], made again with the papers' own figures beside them.
 
 Each module of this package makes one result: `NAME`, and `make(settings) -> Result`.
 
 References
 ----------
 [RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
+    Maps. Eurographics Workshop on Rendering 2000.
 """
 
 from __future__ import annotations
@@ -26,12 +28,13 @@ MODULES = (
     "figure_8",
     "figure_9",
     "figure_10",
+    "kautz_table_1",
 )
-"""In the paper's order. A module is imported when its result is made: plots are slow to load."""
+"""In the papers' order. A module is imported when its result is made: plots are slow to load."""
 
 
 def names() -> tuple[str, ...]:
-    """Return the results' names, such as "table-4", in the paper's order."""
+    """Return the results' names, such as "table-4", in the papers' order."""
     return tuple(module.replace("_", "-") for module in MODULES)
 
 

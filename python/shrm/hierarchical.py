@@ -1,0 +1,281 @@
+"""Prefiltering by descent in a pyramid of the environment: fast where lobes are sharp.
+
+[KVHS00] section 5.1 with the light taken into account. The pyramid is a quadtree over the two paraboloids of
+[HS98]. Its nodes hold power, radiance times solid angle, at their centroid; a lobe is compared between a node
+and its children, and only where their difference would change the reflected light are they entered.
+
+References
+----------
+[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
+    Maps. Eurographics Workshop on Rendering 2000.
+[HS98] W. Heidrich, H.-P. Seidel. View-independent Environment Maps. Graphics Hardware 1998.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core
+from shrm.lobe_integrals import is_radial, profile_arguments, reflection
+from shrm.radial_table import Profile, integral_within, radial_table
+from shrm.reference import DEFAULT_SIZE, Environment, Material, map_directions, pixels_of
+from shrm.validation import fraction, number, one_of, unit_vectors, whole_number
+
+Array = npt.NDArray[np.float64]
+Radiance = npt.NDArray[np.float32]
+
+SAMPLED_BLOCKS = 64
+"""Blocks of a map from which a threshold is found for an error."""
+LARGEST_THRESHOLD, SMALLEST_THRESHOLD = 10.0, 1e-9
+LEFT_OUT = 0.05
+"""Of a lobe's integral, at most: within the angle that holds the rest nodes are small, and see the lobe."""
+FINEST = 2.0
+"""How small at least, in angles that hold half of the lobe; smaller, as is LEFT_OUT, for lower thresholds."""
+MARGIN = 0.8
+"""Of the error wanted, what the blocks may have: they are a sample."""
+
+
+def prefilter_hierarchical(
+    env: Environment,
+    brdf: Material,
+    *,
+    error: float | None = None,
+    threshold: float | None = None,
+    size: int | None = None,
+    layout: str = "latlong",
+) -> HierarchicalReflection:
+    """Prepare hierarchical prefiltering of an environment under a material of radial lobes.
+
+    Parameters
+    ----------
+    env : Environment
+        Its texels (H, W, 3) count as points of their power at their centres, as in
+        ``prefilter_angular(subsamples=1)``.
+    brdf : material
+        Of lobes of one shape about the reflection or the normal: `Phong`, `Lambert`, their sums.
+    error : float, optional
+        Relative RMS error wanted of the maps against the sum over all texels, in (0, 1); default .01. The
+        threshold is found from some blocks of texels of the map, each integrated exactly too.
+    threshold : float, optional
+        In its place: by how much the light of a node may change, its brightness times the difference of the
+        lobe between it and its parent, in parts of the mean reflected light. 0 visits every texel.
+    size : int, optional
+        Rows of the maps for "latlong" (default 128), or the edge of a face for "cube" (default 64).
+    layout : {"latlong", "cube"}
+        Layout of the maps.
+
+    Returns
+    -------
+    HierarchicalReflection
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not as described.
+    """
+    pixels = pixels_of(env)
+    one_of("layout", layout, DEFAULT_SIZE)
+    edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
+    if error is not None and threshold is not None:
+        raise ValueError("error and threshold are two ways to say one thing: give one of them")
+    wanted = None
+    if threshold is None:
+        wanted = 0.01 if error is None else fraction("error", error)
+        if wanted == 0:
+            raise ValueError(f"error must be above 0 and below 1, got {error!r}")
+    else:
+        threshold = number("threshold", threshold, 0.0)
+    if not brdf.lobes:
+        raise ValueError("brdf has no lobes, but needs at least one")
+    for lobe in brdf.lobes:
+        if not is_radial(lobe):
+            raise ValueError(
+                f"{getattr(brdf, 'name', 'the material')} has a lobe whose shape changes with the view: "
+                "prefilter_hierarchical takes radial ones, others prefilter_angular"
+            )
+    return HierarchicalReflection(pixels, brdf.lobes, edge, layout, wanted, threshold)
+
+
+class HierarchicalReflection:
+    """Reflected radiance of one environment under one material, by descent.
+
+    Made by `prefilter_hierarchical`.
+
+    Attributes
+    ----------
+    threshold : tuple of float
+        For each lobe.
+    size : int
+        Rows of a lat-long map, or the edge of a cube's face.
+    layout : {"latlong", "cube"}
+        Layout of the maps.
+    evaluations : float
+        Of a lobe for each target, in the last call.
+    """
+
+    def __init__(
+        self,
+        pixels: npt.NDArray[np.float32],
+        lobes: Sequence[Any],
+        size: int,
+        layout: str,
+        error: float | None,
+        threshold: float | None,
+    ) -> None:
+        self.size, self.layout = size, layout
+        self.evaluations = 0.0
+        self._pyramid = _core.Pyramid(pixels)
+        self._directions = map_directions(layout, size)
+        self._order = _by_blocks(self._directions.shape[:-1])
+        self._lobes = [_Radial(lobe.center, lobe.profile) for lobe in lobes]
+        if threshold is None:
+            assert error is not None
+            self.threshold = tuple(self._threshold(lobe, error) for lobe in self._lobes)
+        else:
+            self.threshold = (float(threshold),) * len(self._lobes)
+
+    def update(self, env: Environment) -> None:
+        """Take another light, of any size; thresholds stay.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is none.
+        """
+        self._pyramid = _core.Pyramid(pixels_of(env))
+
+    def radiance(
+        self, normals: npt.ArrayLike, views: npt.ArrayLike, tangents: npt.ArrayLike | None = None
+    ) -> Radiance:
+        """Return the reflected radiance, each query integrated; neighbours in space had best be neighbours.
+
+        Parameters
+        ----------
+        normals, views : (n, 3) array_like
+            Unit vectors; one view (3,) may serve all.
+        tangents : (n, 3) array_like, optional
+            Not needed: no lobe depends on them.
+
+        Returns
+        -------
+        (n, 3) float32
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not as described.
+        """
+        n = unit_vectors("normals", normals)
+        v = unit_vectors("views", views, len(n))
+        result = np.zeros((len(n), 3), np.float32)
+        self.evaluations = 0.0
+        for lobe, threshold in zip(self._lobes, self.threshold, strict=True):
+            result += self._about(lobe, n if lobe.center == "normal" else reflection(n, v), threshold)
+        return result
+
+    def at_view(self, view: npt.ArrayLike) -> Radiance | dict[str, Radiance]:
+        """Return the reflection map, which is the same for all views: radiance against the central direction.
+
+        Parameters
+        ----------
+        view : (3,) array_like
+            Unit vector to the eye.
+
+        Returns
+        -------
+        (size, 2 size, 3) or (6, size, size, 3) float32, or {centre: map}
+            One map for each centre among the lobes.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `view` is not a unit vector.
+        """
+        unit_vectors("view", view, 1)
+        maps: dict[str, Radiance] = {}
+        targets = np.ascontiguousarray(self._directions.reshape(-1, 3)[self._order])
+        self.evaluations = 0.0
+        for lobe, threshold in zip(self._lobes, self.threshold, strict=True):
+            found = np.empty_like(targets, np.float32)
+            found[self._order] = self._about(lobe, targets, threshold)
+            of_lobe = found.reshape(self._directions.shape)
+            maps[lobe.center] = maps[lobe.center] + of_lobe if lobe.center in maps else of_lobe
+        return next(iter(maps.values())) if len(maps) == 1 else maps
+
+    def _about(self, lobe: _Radial, centres: Array, threshold: float) -> Radiance:
+        found, evaluations = _core.hierarchical_radial(
+            pyramid=self._pyramid, **lobe.arguments(threshold), threshold=threshold, centres=centres
+        )
+        self.evaluations += evaluations
+        return np.asarray(found)
+
+    def _threshold(self, lobe: _Radial, error: float) -> float:
+        """The largest threshold, to a tenth, whose error is within what is wanted: in a sample of the map."""
+        block, count = _core.HIERARCHICAL_BLOCK, len(self._order)
+        targets = np.ascontiguousarray(self._directions.reshape(-1, 3)[self._order])
+        area = self._areas()[self._order, None]
+        # Blocks by their energy, since errors are largest where the map is bright.
+        of_each = (area * self._about(lobe, targets, LEFT_OUT).astype(np.float64) ** 2).sum(axis=1)
+        energy = np.add.reduceat(of_each, np.arange(0, count, block))
+        total = energy.sum()
+        if total == 0:
+            return 1.0
+        chance = 0.5 * energy / total + 0.5 / len(energy)
+        drawn = np.random.default_rng(2000).choice(len(energy), SAMPLED_BLOCKS, p=chance / chance.sum())
+        places = drawn[:, None] * block + np.arange(block)
+        inside = places < count
+        places = np.minimum(places, count - 1)
+        weight = inside * area[places, 0] / (SAMPLED_BLOCKS * chance[drawn])[:, None] / total
+        sample = np.ascontiguousarray(targets[places.ravel()])
+        exact = self._about(lobe, sample, 0.0).astype(np.float64)
+
+        def off(threshold: float) -> float:
+            square = ((self._about(lobe, sample, threshold) - exact) ** 2).sum(axis=1)
+            return float(np.sqrt((weight.ravel() * square).sum()))
+
+        low, high = 0.0, LARGEST_THRESHOLD
+        while high > 1.1 * low and high > SMALLEST_THRESHOLD:
+            middle = np.sqrt(low * high) if low > 0 else high / 4.0
+            low, high = (middle, high) if off(middle) <= MARGIN * error else (low, middle)
+        return float(low)
+
+    def _areas(self) -> Array:
+        H = self._directions.shape[0]
+        if self.layout == "latlong":
+            return np.repeat(np.sin(np.pi * (np.arange(H) + 0.5) / H), self._directions.shape[1])
+        return np.ones(self._directions[..., 0].size)
+
+
+class _Radial:
+    """A lobe of fixed shape, as the core takes it."""
+
+    def __init__(self, center: str, profile: Profile) -> None:
+        self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
+        self._table = radial_table(profile, LEFT_OUT)
+        self._angle, self._within = integral_within(profile)
+
+    def arguments(self, threshold: float) -> dict[str, Any]:
+        """Return the table, and down to where nodes are split whatever their samples say."""
+        left_out = min(LEFT_OUT, max(threshold, 1e-6))
+        return {
+            **profile_arguments(self._table),
+            "integral": self._table.integral,
+            "outer": float(np.interp(1.0 - left_out, self._within, self._angle)),
+            "finest": FINEST * self._table.width * min(1.0, np.sqrt(threshold / LEFT_OUT)),
+        }
+
+
+def _by_blocks(shape: tuple[int, ...]) -> npt.NDArray[np.intp]:
+    """Places of the texels of a map, block by block of neighbours, each of as many as descend together."""
+    side = int(np.sqrt(_core.HIERARCHICAL_BLOCK))
+    H, W = shape[-2:]
+    rows, columns = np.arange(H) // side, np.arange(W) // side
+    within = (np.arange(H) % side)[:, None] * side + (np.arange(W) % side)[None]
+    tile = rows[:, None] * (columns[-1] + 1) + columns[None]
+    one = np.argsort((tile * side**2 + within).ravel(), kind="stable")
+    faces = int(np.prod(shape[:-2], dtype=int))
+    return (np.arange(faces)[:, None] * (H * W) + one[None]).ravel()

@@ -1,0 +1,164 @@
+"""Descent in a pyramid: the sum over all texels in the end, and the error that is asked for before."""
+
+import numpy as np
+import oracles
+import pytest
+from data import require
+from directions import sphere
+from shrm import Environment, brdf, prefilter_hierarchical
+
+EXPONENTS = (10, 50, 100, 250, 500)
+
+
+def picture(H: int, seed: int) -> Environment:
+    """Bright and dark texels side by side, some black."""
+    rng = np.random.default_rng(seed)
+    pixels = rng.random((H, 2 * H, 3)) ** 8
+    pixels[rng.random((H, 2 * H)) < 0.3] = 0.0
+    return Environment(pixels.astype(np.float32))
+
+
+def plain_sum(env: Environment, profile, centres: np.ndarray) -> np.ndarray:
+    """Over all texels as points, in float64; shares no code with what is tested."""
+    H, W, _ = env.pixels.shape
+    theta = np.pi * (np.arange(H) + 0.5) / H
+    power = env.pixels * texel_areas(H)
+    phi = np.pi - 2 * np.pi * (np.arange(W) + 0.5) / W
+    sine = np.sin(theta)[:, None]
+    L = np.stack(
+        [sine * np.cos(phi), sine * np.sin(phi), np.broadcast_to(np.cos(theta)[:, None], (H, W))], axis=-1
+    )
+    return profile(centres @ L.reshape(-1, 3).T) @ power.reshape(-1, 3).astype(np.float64)
+
+
+def texel_areas(H: int) -> np.ndarray:
+    edges = np.cos(np.pi * np.arange(H + 1) / H)
+    return ((edges[:-1] - edges[1:]) * np.pi / H)[:, None, None]
+
+
+@pytest.mark.parametrize("H", [5, 16, 33])
+@pytest.mark.parametrize("s", EXPONENTS)
+def test_without_a_threshold_every_texel_is_summed(s, H):
+    env, lobe = picture(H, seed=1), brdf.Phong(s)
+    N = sphere(41, seed=2)  # no whole number of blocks
+    V = np.broadcast_to([0.0, 0.0, 1.0], N.shape)
+    R = 2 * (N @ V[0])[:, None] * N - V
+    found = prefilter_hierarchical(env, lobe, threshold=0.0).radiance(N, V)
+    expected = plain_sum(env, lambda c: (s + 1) / (2 * np.pi) * np.maximum(c, 0) ** s, R)
+    # The table's cubics err by 1e-5 of the lobe's root mean square.
+    np.testing.assert_allclose(found, expected, atol=3e-5 * expected.max())
+
+
+def test_diffuse_light_of_three_colours_and_a_sum_of_lobes():
+    env = picture(24, seed=3)
+    N = sphere(30, seed=4)
+    albedo = np.array([0.8, 0.5, 0.2])
+    diffuse = plain_sum(env, lambda c: np.maximum(c, 0) / np.pi, N) * albedo
+    found = prefilter_hierarchical(env, brdf.Lambert(tuple(albedo)), threshold=0.0)
+    np.testing.assert_allclose(found.radiance(N, N), diffuse, atol=3e-5 * diffuse.max())
+    both = prefilter_hierarchical(env, brdf.Lambert(tuple(albedo)) + 0.5 * brdf.Phong(20), threshold=0.0)
+    glossy = prefilter_hierarchical(env, brdf.Phong(20), threshold=0.0)
+    np.testing.assert_allclose(
+        both.radiance(N, N), found.radiance(N, N) + 0.5 * glossy.radiance(N, N), rtol=1e-5
+    )
+    assert set(both.at_view([0, 0, 1.0])) == {"normal", "reflection"}
+
+
+@pytest.mark.parametrize("name", ["venice_sunset_1k.hdr", "debevec_grace_cross.hdr", "quarry_01_1k.hdr"])
+@pytest.mark.parametrize("s", EXPONENTS)
+def test_the_error_that_is_asked_for_is_had(name, s):
+    env = Environment.read(require(f"env/{name}")).resized(64, 128)
+    lobe = brdf.Phong(s)
+    exact = prefilter_hierarchical(env, lobe, threshold=0.0, size=64)
+    expected = exact.at_view([0, 0, 1.0])
+    area = texel_areas(64)
+    for error in (0.03, 0.01, 0.001):
+        descent = prefilter_hierarchical(env, lobe, error=error, size=64)
+        found = descent.at_view([0, 0, 1.0])
+        off = np.sqrt((area * (found - expected) ** 2).sum() / (area * expected**2).sum())
+        assert off < 1.25 * error  # found from a part of the map
+
+
+@pytest.mark.parametrize("s", [10, 250])
+def test_a_lower_threshold_errs_no_more(s):
+    env, lobe = picture(64, seed=5), brdf.Phong(s)
+    expected = prefilter_hierarchical(env, lobe, threshold=0.0, size=32).at_view([0, 0, 1.0])
+    last, evaluations = np.inf, 0.0
+    for threshold in 10.0 ** np.arange(1, -6, -0.5):
+        descent = prefilter_hierarchical(env, lobe, threshold=threshold, size=32)
+        off = oracles.relative_rms(descent.at_view([0, 0, 1.0]), expected)
+        assert off < 1.1 * last + 1e-6  # rounding
+        assert descent.evaluations >= evaluations
+        last, evaluations = off, descent.evaluations
+    assert last < 1e-6
+
+
+@pytest.mark.parametrize("s", EXPONENTS)
+@pytest.mark.parametrize("place", [(0, 0), (20, 37), (63, 100), (127, 3)])
+def test_a_sun_keeps_its_energy(s, place):
+    pixels = np.full((128, 256, 3), 1e-3, np.float32)
+    i, j = place
+    pixels[i, j : j + 2] = 1e4
+    # Rows of .7 degrees, so that their sum is the integral over lobes of 4 degrees at the poles too.
+    found = prefilter_hierarchical(Environment(pixels), brdf.Phong(s), size=256).at_view([0, 0, 1.0])
+    incoming, reflected = ((x * texel_areas(len(x))).sum((0, 1)) for x in (pixels, found))
+    np.testing.assert_allclose(reflected, incoming, rtol=0.01)
+    assert found.min() > 0
+    rows = found.max(axis=(1, 2))  # the lobe itself, no speck apart from it
+    assert np.all(np.diff(np.sign(np.diff(rows[rows > 0.01 * rows.max()]))) <= 0)
+
+
+@pytest.mark.parametrize("layout", ["latlong", "cube"])
+def test_a_constant_light_stays_constant(layout):
+    env = Environment(np.ones((128, 256, 3), np.float32))
+    found = prefilter_hierarchical(env, brdf.Phong(100), error=0.01, size=32, layout=layout).at_view(
+        [0, 0, 1]
+    )
+    assert found.shape == ((32, 64, 3) if layout == "latlong" else (6, 32, 32, 3))
+    np.testing.assert_allclose(found, 1, rtol=0.05)  # 1% is the root mean square
+    assert oracles.relative_rms(found, np.ones_like(found)) < 0.0125
+
+
+def test_maps_are_the_radiance_at_their_texels():
+    env = picture(32, seed=6)
+    for layout in ("latlong", "cube"):
+        descent = prefilter_hierarchical(env, brdf.Lambert(0.5), threshold=0.0, size=9, layout=layout)
+        maps = descent.at_view([0, 0, 1.0])
+        shape = maps.shape[:-1]
+        assert np.prod(shape) % 16 != 0
+        again = prefilter_hierarchical(env, brdf.Lambert(0.5), threshold=0.0, size=9, layout=layout)
+        C = again._directions.reshape(-1, 3)
+        np.testing.assert_allclose(again.radiance(C, C), maps.reshape(-1, 3), rtol=1e-6)
+
+
+def test_black_light_reflects_nothing():
+    env = Environment(np.zeros((8, 16, 3), np.float32))
+    assert not prefilter_hierarchical(env, brdf.Phong(10), size=8).at_view([0, 0, 1.0]).any()
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        ({"threshold": -1.0}, "threshold"),
+        ({"threshold": np.nan}, "threshold"),
+        ({"threshold": "low"}, "threshold"),
+        ({"error": 0.0}, "error"),
+        ({"error": 2.0}, "error"),
+        ({"error": 0.1, "threshold": 0.1}, "one of them"),
+        ({"size": 0}, "size"),
+        ({"layout": "disc"}, "layout"),
+    ],
+)
+def test_bad_input_is_named(given, text):
+    with pytest.raises((TypeError, ValueError), match=text):
+        prefilter_hierarchical(picture(4, seed=7), brdf.Phong(10), **given)
+
+
+def test_lobes_that_change_with_the_view_are_refused():
+    with pytest.raises(ValueError, match="shape changes with the view"):
+        prefilter_hierarchical(picture(4, seed=8), brdf.GGX(0.3))
+    with pytest.raises(TypeError, match="env must be an Environment"):
+        prefilter_hierarchical(np.ones((4, 8, 3)), brdf.Phong(10))
+    descent = prefilter_hierarchical(picture(4, seed=8), brdf.Phong(10), size=4)
+    with pytest.raises(ValueError, match="views"):
+        descent.radiance([[0, 0, 1.0]], [[0, 0, 2.0]])
