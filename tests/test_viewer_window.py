@@ -317,7 +317,9 @@ def test_keys_are_listed_and_end_it(opened: Opened) -> None:
     hands.app.on_char(ord("?"))
     hands.settle()
     assert same(hands.look(), before)
-    hands.app.on_key(glfw.KEY_ESCAPE, 0, glfw.PRESS, 0)
+    hands.press(glfw.KEY_ESCAPE)
+    assert same(hands.look(), before)
+    hands.app.on_key(glfw.KEY_Q, 0, glfw.PRESS, 0)
     hands.app.run()  # and returns
 
 

@@ -117,7 +117,8 @@ class Application:
             if self._lively or sampling:
                 glfw.poll_events()
             else:  # until something happens, or a worker has something
-                glfw.wait_events_timeout(1.0)
+                over_panel = self.controls.io.want_capture_mouse  # whose explanations come after a while
+                glfw.wait_events_timeout(0.2 if over_panel else 1.0)
 
     def frame(self) -> None:
         """Take what the workers have, draw, and show it."""
@@ -171,7 +172,8 @@ class Application:
             return
         last, self.result = self.result, result
         if last is None or _source(last) != _source(result):
-            self._expose, self.fault, self.refused = True, "", ""
+            self.fault = self.refused = ""
+            self._expose = not self._keep_eye or self.state.eye is None  # a state that was read says it
         self._lively = 3
         if last is None or last.shapes is not result.shapes:
             self._fit = not self._keep_eye
@@ -328,7 +330,7 @@ class Application:
                 self.act(commands[key])
             return
         named: dict[int, Callable[[], None]] = {
-            glfw.KEY_ESCAPE: self._close_keys if self.keys_shown else self.quit,
+            glfw.KEY_ESCAPE: lambda: setattr(self, "keys_shown", False),
             glfw.KEY_Q: self.quit,
             glfw.KEY_F: lambda: self.act("fit"),
             glfw.KEY_S: lambda: self.act("screenshot"),
@@ -395,9 +397,6 @@ class Application:
     def _set(self, **changes: Any) -> None:
         self.state = replace(self.state, **changes)
 
-    def _close_keys(self) -> None:
-        self.keys_shown = False
-
     def _expose_always(self) -> None:
         self._set(automatic=True)
         self._expose = True
@@ -435,4 +434,4 @@ class Application:
 
 def _source(result: Prefiltered) -> tuple[object, ...]:
     """What the exposure depends on."""
-    return result.environment, result.shapes
+    return result.environment, result.request.materials, result.shapes

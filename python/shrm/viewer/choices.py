@@ -27,7 +27,7 @@ KEYS = (
     ("S", "screenshot: .png as shown, .exr linear"),
     ("Ctrl + S, Ctrl + O", "save the window's state, open it again"),
     ("?", "this list on or off"),
-    ("Esc", "close this list, or quit"),
+    ("Esc", "close this list"),
     ("Q", "quit"),
 )
 

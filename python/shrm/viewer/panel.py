@@ -22,8 +22,8 @@ WIDTH = 380
 SPHERE = "sphere"
 RECOGNISED = "as recognised"
 BY_PATH = "type its path and Enter, or drop it here."
-OF_LIGHT = "largest degree of the light's harmonics: how sharp reflections can be."
-OF_VIEW = "largest order of the view's harmonics: how well reflections change with the view."
+OF_LIGHT = "Largest degree of the light's harmonics: how sharp reflections can be."
+OF_VIEW = "Largest order of the view's harmonics: how well reflections change with the view."
 MOST_OBJECTS = 8
 MOST_CHARACTERS = 84  # of a message: two lines
 
@@ -134,7 +134,7 @@ class Panel:
             else:
                 state = replace(state, environment=path, layout=None)
         source = refused or state.environment  # what is said of it can make a picture that was refused good
-        whose = f"Of {Path(source).name}: "
+        whose = "Of pictures: " if source == DAYLIGHT else f"Of {Path(source).name}: "
         with _disabled(source == DAYLIGHT):
             known = [RECOGNISED, *LAYOUTS]
             current = RECOGNISED if refused else state.layout or RECOGNISED
@@ -143,11 +143,13 @@ class Panel:
             _explain(f"{whose}how it shows the sphere, where its shape and its file do not tell.")
             if changed:
                 state = replace(state, environment=source, layout=known[chosen] if chosen else None)
-        if self._button("Daylight"):
+        if self._button("Daylight", "An analytic sky with its sun, in place of a picture."):
             state = replace(state, environment=DAYLIGHT, layout=None)
         imgui.same_line()
         with _disabled(state.light == UNTURNED):
-            if self._button("Turn light back (R)"):
+            if self._button(
+                "Turn light back (R)", "As the picture has it; drags with the right button turn it."
+            ):
                 state = replace(state, light=UNTURNED)
         imgui.same_line()
         changed, repair = imgui.checkbox("repair", state.repair)
@@ -168,21 +170,23 @@ class Panel:
                 _explain("Whose material this is; numbered from left to right, as they stand at first.")
         state = self._material(state)
         with _disabled(count == MOST_OBJECTS):
-            if self._button("Add object"):
+            if self._button(
+                "Add object", f"A copy beside it, with a material of its own; {MOST_OBJECTS} at most."
+            ):
                 text = state.materials[state.selected]
                 state = replace(state, materials=(*state.materials, text), selected=count)
         imgui.same_line()
         with _disabled(count == 1):
-            if self._button("Remove"):
+            if self._button("Remove", "Take the chosen object away."):
                 left = state.materials[: state.selected] + state.materials[state.selected + 1 :]
                 state = replace(state, materials=left, selected=min(state.selected, len(left) - 1))
         imgui.same_line()
         with _disabled(state.mesh is None):
-            if self._button("Back to sphere"):
+            if self._button("Back to sphere", "All objects are spheres again."):
                 state = replace(state, mesh=None)
         shown = SPHERE if state.mesh is None else Path(state.mesh).name
         typed = self._entered(
-            "shape", shown, f"{state.mesh or SPHERE}\n'{SPHERE}', or a mesh file: {BY_PATH}"
+            "shape of all", shown, f"{state.mesh or SPHERE}\n'{SPHERE}', or a mesh file: {BY_PATH}"
         )
         if typed is not None:
             state = replace(state, mesh=None if typed == SPHERE else _absolute(typed))
@@ -200,6 +204,9 @@ class Panel:
         current = names.index(kind) if kind else len(names)
         changed, chosen = imgui.combo("material", current, labels)
         self._place("material")
+        _explain(
+            "What the object is made of; its parameters are below. (Eq. 11 of Ramamoorthi & Hanrahan 2002)"
+        )
         if changed and chosen < len(names):
             return state.with_material(state.selected, exchanged(material, KINDS[names[chosen]]))
         for parameter in KINDS[kind].parameters if kind else ():
@@ -311,24 +318,25 @@ class Panel:
         imgui.separator_text("Picture")
         changed, stops = imgui.slider_float("exposure", state.exposure, -12.0, 12.0, "%+.2f stops")
         self._place("exposure")
+        _explain("Twice as bright for each stop.")
         if changed:
             state = replace(state, exposure=stops, automatic=False)
         changed, automatic = imgui.checkbox("auto (E)", state.automatic)
         self._place("auto")
-        _explain("Found from the picture when light or shape change; E finds it at any time.")
+        _explain("Found from the picture when light, material or shape change; E finds it at any time.")
         if changed:
             state = replace(state, automatic=automatic)
         imgui.same_line()
         changed, background = imgui.checkbox("background (B)", state.background)
         self._place("background")
+        _explain("Show the light itself behind the objects.")
         if changed:
             state = replace(state, background=background)
         for index, (action, label, meaning) in enumerate(BUTTONS):
             if index:
                 imgui.same_line()
-            if self._button(label):
+            if self._button(label, meaning):
                 actions.append(action)
-            _explain(meaning)
         return state
 
     def _times(self, facts: Facts) -> None:
@@ -346,14 +354,16 @@ class Panel:
 
     def _entered(self, label: str, text: str, meaning: str) -> str | None:
         """A line of text; return another one that was typed in its place, once Enter is pressed."""
-        entered, typed = imgui.input_text(label, text, imgui.InputTextFlags.ENTER_RETURNS_TRUE)
+        flags = imgui.InputTextFlags
+        entered, typed = imgui.input_text(label, text, flags.ENTER_RETURNS_TRUE | flags.AUTO_SELECT_ALL)
         self._place(label)
         _explain(meaning)
         return typed.strip() or None if entered and typed != text else None
 
-    def _button(self, label: str) -> bool:
+    def _button(self, label: str, meaning: str = "") -> bool:
         pressed = imgui.button(label)
         self._place(label)
+        _explain(meaning)
         return pressed
 
     def _radio(self, label: str, active: bool) -> bool:
@@ -404,8 +414,10 @@ def _wrapped(color: tuple[float, float, float, float], text: str) -> None:
 
 def _explain(text: str) -> None:
     """Explain the last control beside the panel, where nothing of it is covered."""
-    if text and imgui.is_item_hovered(
-        imgui.HoveredFlags.DELAY_NORMAL | imgui.HoveredFlags.ALLOW_WHEN_DISABLED
+    if (
+        text
+        and not imgui.is_item_active()
+        and imgui.is_item_hovered(imgui.HoveredFlags.DELAY_NORMAL | imgui.HoveredFlags.ALLOW_WHEN_DISABLED)
     ):
         imgui.set_next_window_pos((WIDTH + 8.0, imgui.get_item_rect_min()[1]))
         imgui.begin_tooltip()
