@@ -1,7 +1,9 @@
 """What the window is: its file, and materials as sliders."""
 
+import argparse
 import json
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from shrm import brdf
 from shrm.cli import parser, view
 from shrm.viewer.materials import KINDS, kind_of, value_of, with_value
 from shrm.viewer.orbit import Orbit
-from shrm.viewer.state import State
+from shrm.viewer.state import Method, State
 
 
 def unlike_the_default() -> State:
@@ -138,3 +140,11 @@ def test_the_command_line_says_otherwise_than_a_saved_window(tmp_path: Path) -> 
         background=False,
         orders=(9, 2),
     )
+
+
+def test_the_command_knows_the_methods() -> None:
+    """Its own list spares --help the core."""
+    command = argparse.ArgumentParser()
+    view.add_arguments(command)
+    (method,) = (action for action in command._actions if action.dest == "method")
+    assert method.choices == get_args(Method)

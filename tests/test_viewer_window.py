@@ -308,6 +308,19 @@ def test_methods_are_compared(opened: Opened) -> None:
     assert app.comparison.worker.answered == answered  # the same integral serves all of them
 
 
+def test_more_maps_than_layers_are_said_and_the_viewer_goes_far(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hands = opened(orders=(6, 2))
+    app, before = hands.app, hands.look()
+    monkeypatch.setitem(app.context.gl.info, "GL_MAX_ARRAY_TEXTURE_LAYERS", 6 * 9 - 1)
+    app.state = replace(app.state, viewer="near")
+    hands.settle()
+    assert "distant viewer" in app.fault
+    assert app.state.viewer == "distant"
+    assert same(hands.look(), before)
+
+
 def test_keys_are_listed_and_end_it(opened: Opened) -> None:
     hands = opened()
     before = hands.look()

@@ -9,6 +9,8 @@
 #include <immintrin.h>
 #endif
 
+#include "shrm/simd.hpp"
+
 namespace shrm {
 
 // Results from this size on go past the caches: beyond what one core can count on of the last level.
@@ -17,17 +19,10 @@ inline constexpr std::size_t streamed_from = std::size_t{8} << 20;  // bytes
 // Copies n values to any place; what other threads are to see needs end_of_stream() first.
 inline void stream(const float* from, int n, float* to) {
 #if defined(__SSE__)
-#if defined(__AVX512F__)
-    constexpr int step = 16;
-#elif defined(__AVX__)
-    constexpr int step = 8;
-#else
-    constexpr int step = 4;
-#endif
-    const auto beyond = reinterpret_cast<std::uintptr_t>(to) / sizeof(float) % step;
-    int i = std::min(n, static_cast<int>((step - beyond) % step));
+    const auto beyond = reinterpret_cast<std::uintptr_t>(to) / sizeof(float) % lanes;
+    int i = std::min(n, static_cast<int>((lanes - beyond) % lanes));
     std::copy_n(from, i, to);
-    for (; i + step <= n; i += step)
+    for (; i + lanes <= n; i += lanes)
 #if defined(__AVX512F__)
         _mm512_stream_ps(to + i, _mm512_loadu_ps(from + i));
 #elif defined(__AVX__)

@@ -129,8 +129,10 @@ class HierarchicalReflection:
         self.size, self.layout = size, layout
         self.evaluations = 0.0
         self._pyramid = _core.Pyramid(pixels)
-        self._directions = map_directions(layout, size)
-        self._order = _by_blocks(self._directions.shape[:-1])
+        C = map_directions(layout, size)
+        self._shape = C.shape
+        self._order = _by_blocks(C.shape[:-1])
+        self._targets = np.ascontiguousarray(C.reshape(-1, 3)[self._order])  # block by block
         self._lobes = [_Radial(lobe.center, lobe.profile) for lobe in lobes]
         if threshold is None:
             assert error is not None
@@ -197,12 +199,11 @@ class HierarchicalReflection:
         """
         unit_vectors("view", view, 1)
         maps: dict[str, Radiance] = {}
-        targets = np.ascontiguousarray(self._directions.reshape(-1, 3)[self._order])
         self.evaluations = 0.0
         for lobe, threshold in zip(self._lobes, self.threshold, strict=True):
-            found = np.empty_like(targets, np.float32)
-            found[self._order] = self._about(lobe, targets, threshold)
-            of_lobe = found.reshape(self._directions.shape)
+            found = np.empty(self._targets.shape, np.float32)
+            found[self._order] = self._about(lobe, self._targets, threshold)
+            of_lobe = found.reshape(self._shape)
             maps[lobe.center] = maps[lobe.center] + of_lobe if lobe.center in maps else of_lobe
         return next(iter(maps.values())) if len(maps) == 1 else maps
 
@@ -216,10 +217,9 @@ class HierarchicalReflection:
     def _threshold(self, lobe: _Radial, error: float) -> float:
         """The largest threshold, to a tenth, whose error is within what is wanted: in a sample of the map."""
         block, count = _core.HIERARCHICAL_BLOCK, len(self._order)
-        targets = np.ascontiguousarray(self._directions.reshape(-1, 3)[self._order])
         area = self._areas()[self._order, None]
         # Blocks by their energy, since errors are largest where the map is bright.
-        of_each = (area * self._about(lobe, targets, LEFT_OUT).astype(np.float64) ** 2).sum(axis=1)
+        of_each = (area * self._about(lobe, self._targets, LEFT_OUT).astype(np.float64) ** 2).sum(axis=1)
         energy = np.add.reduceat(of_each, np.arange(0, count, block))
         total = energy.sum()
         if total == 0:
@@ -230,7 +230,7 @@ class HierarchicalReflection:
         inside = places < count
         places = np.minimum(places, count - 1)
         weight = inside * area[places, 0] / (SAMPLED_BLOCKS * chance[drawn])[:, None] / total
-        sample = np.ascontiguousarray(targets[places.ravel()])
+        sample = np.ascontiguousarray(self._targets[places.ravel()])
         exact = self._about(lobe, sample, 0.0).astype(np.float64)
 
         def off(threshold: float) -> float:
@@ -244,10 +244,11 @@ class HierarchicalReflection:
         return float(low)
 
     def _areas(self) -> Array:
-        H = self._directions.shape[0]
+        """Of the texels of a map, in any unit; those of a cube count alike."""
+        H, W = self._shape[:2]
         if self.layout == "latlong":
-            return np.repeat(np.sin(np.pi * (np.arange(H) + 0.5) / H), self._directions.shape[1])
-        return np.ones(self._directions[..., 0].size)
+            return np.repeat(np.sin(np.pi * (np.arange(H) + 0.5) / H), W)
+        return np.ones(len(self._order))
 
 
 class _Radial:

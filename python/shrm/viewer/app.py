@@ -338,7 +338,7 @@ class Application:
             glfw.KEY_R: lambda: self._set(light=UNTURNED),
             glfw.KEY_B: lambda: self._set(background=not self.state.background),
             glfw.KEY_E: self._expose_always,
-            glfw.KEY_M: lambda: self._set(method=METHODS[(METHODS.index(self.state.method) + 1) % 3]),
+            glfw.KEY_M: self._next_method,
             glfw.KEY_1: lambda: self._set(shown="maps"),
             glfw.KEY_2: lambda: self._set(shown="integration"),
             glfw.KEY_3: lambda: self._set(shown="difference"),
@@ -396,6 +396,9 @@ class Application:
 
     def _set(self, **changes: Any) -> None:
         self.state = replace(self.state, **changes)
+
+    def _next_method(self) -> None:
+        self._set(method=METHODS[(METHODS.index(self.state.method) + 1) % len(METHODS)])
 
     def _expose_always(self) -> None:
         self._set(automatic=True)

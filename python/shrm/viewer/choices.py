@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from shrm.viewer.integration import COARSENESS, ROWS
+from shrm.viewer.materials import KINDS
 from shrm.viewer.scene import Viewer
 from shrm.viewer.screen import AMPLIFIED
 from shrm.viewer.state import Method, Shown
@@ -45,17 +46,20 @@ METHODS: tuple[tuple[Method, str, str], ...] = (
     (
         "shrm",
         "SHRM (Ramamoorthi & Hanrahan 2002)",
-        "Spherical harmonic reflection maps: harmonics of the view to the order P, (P + 1)^2 maps.",
+        "The most accurate: reflections may change with the view in any way, "
+        "up to the order P. (P + 1)^2 maps.",
     ),
     (
         "kautz-mccool",
         "radial lobes (Kautz & McCool 2000)",
-        "Lobes are held symmetric about their centre, whatever the view's azimuth: P + 1 maps.",
+        "Fewer maps, P + 1: highlights are taken to be round. Good for Phong, "
+        "wrong for microfacets at grazing views.",
     ),
     (
         "cabral",
         "12 views, blended (Cabral et al. 1999)",
-        "Maps for the views of an icosahedron; for views between them, a blend of the nearest three.",
+        "Always 12 maps, of 12 fixed views; others are blended from the "
+        "nearest three. Wrong where highlights move.",
     ),
 )
 VIEWERS: tuple[tuple[Viewer, str, str], ...] = (
@@ -73,17 +77,24 @@ VIEWERS: tuple[tuple[Viewer, str, str], ...] = (
     ),
 )
 SHOWN: tuple[tuple[Shown, str, str], ...] = (
-    ("maps", "maps", "The picture from the maps. (1)"),
+    ("maps", "maps", "The picture from the maps. (Key 1)"),
     (
         "integration",
         "integral",
         "The same picture by direct integration, to judge the maps: for every pixel a sum over the light, "
         f"averaged to {2 * ROWS} x {ROWS} texels. In the background, in {len(COARSENESS)} passes, coarse "
-        "first; the last takes a minute or more. (2)",
+        "first; the last takes a minute or more. (Key 2)",
     ),
     (
         "difference",
         f"difference x{AMPLIFIED:g}",
-        f"Of maps and integral on the objects, absolute, {AMPLIFIED:g} times as bright; black is none. (3)",
+        "The absolute difference between maps and integral on the objects, "
+        f"{AMPLIFIED:g} times as bright; where "
+        "it is black there is none. (Key 3)",
     ),
+)
+OF_LIGHT = "Largest degree of the light's harmonics: how sharp reflections can be."
+OF_VIEW = "Largest order of the view's harmonics: how well reflections change with the view."
+NAMED = ", ".join(
+    f"{name}:{','.join(parameter.name for parameter in kind.parameters)}" for name, kind in KINDS.items()
 )

@@ -7,6 +7,7 @@ current: here every context is let go before another one is made or made current
 from __future__ import annotations
 
 import ctypes
+import functools
 import threading
 import warnings
 from collections.abc import Callable
@@ -133,10 +134,15 @@ def _egl() -> Context:
 
 def _egl_current() -> int | None:
     """EGL's name of the context that is current in this thread."""
-    current = ctypes.CDLL("libEGL.so.1").eglGetCurrentContext
-    current.restype = ctypes.c_void_p
-    name: int | None = current()
+    name: int | None = _egl_get_current_context()()
     return name
+
+
+@functools.cache
+def _egl_get_current_context() -> Any:
+    function = ctypes.CDLL("libEGL.so.1").eglGetCurrentContext
+    function.restype = ctypes.c_void_p
+    return function
 
 
 def _osmesa() -> Context:

@@ -86,7 +86,7 @@ KINDS: Mapping[str, Kind] = {
     ),
     "microfacet": Kind(
         brdf.Microfacet,
-        "microfacet (eq. 11)",
+        "microfacets, Gaussian (2002)",
         "microfacet:0.2",
         (Parameter("sigma", "roughness sigma", 0.03, 0.8, logarithmic=True),),
     ),

@@ -13,7 +13,18 @@ from shrm import brdf
 from shrm.icosahedral import IcosahedralMaps
 from shrm.layouts import LAYOUTS
 from shrm.reflection_map import ReflectionMap
-from shrm.viewer.choices import BUTTONS, KEYS, MESHES, METHODS, SHOWN, VIEWERS, Action
+from shrm.viewer.choices import (
+    BUTTONS,
+    KEYS,
+    MESHES,
+    METHODS,
+    NAMED,
+    OF_LIGHT,
+    OF_VIEW,
+    SHOWN,
+    VIEWERS,
+    Action,
+)
 from shrm.viewer.lighting import DAYLIGHT, F_MAX, P_MAX, Prefiltered
 from shrm.viewer.materials import KINDS, exchanged, kind_of, value_of, with_value
 from shrm.viewer.state import UNTURNED, State
@@ -22,10 +33,8 @@ WIDTH = 380
 SPHERE = "sphere"
 RECOGNISED = "as recognised"
 BY_PATH = "type its path and Enter, or drop it here."
-OF_LIGHT = "Largest degree of the light's harmonics: how sharp reflections can be."
-OF_VIEW = "Largest order of the view's harmonics: how well reflections change with the view."
 MOST_OBJECTS = 8
-MOST_CHARACTERS = 84  # of a message: two lines
+MOST_CHARACTERS = 78  # of a message: two lines
 
 RED, YELLOW, GREY = (1.0, 0.35, 0.3, 1.0), (1.0, 0.8, 0.3, 1.0), (0.62, 0.64, 0.68, 1.0)
 
@@ -140,7 +149,10 @@ class Panel:
             current = RECOGNISED if refused else state.layout or RECOGNISED
             changed, chosen = imgui.combo("layout", known.index(current), known)
             self._place("layout")
-            _explain(f"{whose}how it shows the sphere, where its shape and its file do not tell.")
+            _explain(
+                f"{whose}how it unrolls the sphere: lat-long, cross or strip of a cube's faces, mirror ball, "
+                "probe and others. Choose one where the picture's shape does not tell."
+            )
             if changed:
                 state = replace(state, environment=source, layout=known[chosen] if chosen else None)
         if self._button("Daylight", "An analytic sky with its sun, in place of a picture."):
@@ -148,7 +160,8 @@ class Panel:
         imgui.same_line()
         with _disabled(state.light == UNTURNED):
             if self._button(
-                "Turn light back (R)", "As the picture has it; drags with the right button turn it."
+                "Turn light back (R)",
+                "Turn the light back to where its picture has it. Dragging with the right button turns it.",
             ):
                 state = replace(state, light=UNTURNED)
         imgui.same_line()
@@ -204,9 +217,7 @@ class Panel:
         current = names.index(kind) if kind else len(names)
         changed, chosen = imgui.combo("material", current, labels)
         self._place("material")
-        _explain(
-            "What the object is made of; its parameters are below. (Eq. 11 of Ramamoorthi & Hanrahan 2002)"
-        )
+        _explain("What the object is made of. Its parameters follow.")
         if changed and chosen < len(names):
             return state.with_material(state.selected, exchanged(material, KINDS[names[chosen]]))
         for parameter in KINDS[kind].parameters if kind else ():
@@ -223,7 +234,11 @@ class Panel:
             _explain(parameter.meaning)
             if changed:
                 state = state.with_material(state.selected, with_value(material, parameter, value))
-        meaning = "As on the command line, such as 0.5*lambert:0.8 + ggx:0.2; Enter takes it."
+        meaning = (
+            "The material in words, as the command takes it: a name and its "
+            "parameters, sums and multiples of "
+            f"such, as 0.5*lambert:0.8 + ggx:0.2. Enter takes it. Names: {NAMED}."
+        )
         typed = self._entered("as text", text, meaning)
         return state if typed is None else state.with_material(state.selected, typed)
 
@@ -231,12 +246,12 @@ class Panel:
         imgui.separator_text("Accuracy")
         if self._radio("by tolerance", state.orders is None):
             state = replace(state, orders=None)
-        _explain("The error that is wanted chooses F and P.")
+        _explain("F and P are chosen for each object, by the error that is wanted.")
         imgui.same_line()
         mine = None if facts.result is None else _of(facts.result.maps, state.selected)
         if self._radio("orders F, P", state.orders is not None) and state.orders is None:
             state = replace(state, orders=(12, 2) if mine is None else (mine.F, mine.P))
-        _explain("F and P as they are set, whatever error they leave.")
+        _explain("F and P as they are set, the same for all objects, whatever error they leave.")
         if state.orders is None:
             flags = imgui.SliderFlags.LOGARITHMIC | imgui.SliderFlags.CLAMP_ON_INPUT
             changed, percent = imgui.slider_float(
@@ -255,8 +270,12 @@ class Panel:
         held = drawn.maps if isinstance(drawn, IcosahedralMaps) else (drawn,)
         maps = sum(part.rings.shape[1] for rm in held for part in rm.parts)
         word = "map" if maps == 1 else "maps"
-        imgui.text(f"F = {mine.F}, P = {mine.P}: {maps} {word}, 6 x {mine.size} x {mine.size}")
-        _explain(f"F: {OF_LIGHT}\nP: {OF_VIEW}\nMaps are cubes; together they hold the reflected light.")
+        whose = f"object {state.selected + 1}: " if len(state.materials) > 1 else ""
+        imgui.text(f"{whose}F = {mine.F}, P = {mine.P}: {maps} {word}, 6 x {mine.size} x {mine.size}")
+        _explain(
+            f"F: {OF_LIGHT}\nP: {OF_VIEW}\nMaps are cubes of six faces; together "
+            "they hold what the object reflects."
+        )
         self._predicted(state, mine, facts.result.errors)
         return state
 
@@ -287,8 +306,11 @@ class Panel:
             else:
                 imgui.text(text)
         _explain(
-            "Relative RMS over all normals and views; the difference shown below measures this picture. "
-            f"A tolerance takes F up to {F_MAX} and P up to {P_MAX}, so that pictures stay fluent."
+            "Relative RMS of what this object reflects, over all normals and "
+            "views. (For the picture itself, see "
+            f"'shown' below.) This window takes F up to {F_MAX} and P up to "
+            f"{P_MAX}, so as to stay fast: where "
+            "that is not enough, take a rougher material or a softer light, or shrm render."
         )
 
     def _method(self, state: State, facts: Facts) -> State:
@@ -345,7 +367,9 @@ class Panel:
         prefiltering = 0.0 if facts.result is None else facts.result.seconds
         rate = f" ({1.0 / drawing:.0f} frames/s)" if drawing > 0.0 else ""
         imgui.text(f"drawing      {1e3 * drawing:6.1f} ms{rate}")
+        _explain("The last frame, by OpenGL.")
         imgui.text(f"prefiltering {1e3 * prefiltering:6.1f} ms{' (working ...)' if facts.working else ''}")
+        _explain("From light and material to maps, for all objects, when one of them changed last.")
 
     # ---- Controls whose places are kept
 

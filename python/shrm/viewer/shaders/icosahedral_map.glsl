@@ -25,7 +25,7 @@ vec3 reflected(vec3 c, vec3 v, vec3 towards_eye) {
                           solid_angle(x, y, towards_eye)), 0.0);
     share /= share.x + share.y + share.z;
     find_place(c, 12);
-    vec3 least = vec3(clamped ? 0.0 : -1.0 / 0.0);
+    vec3 least = vec3(clamped ? 0.0 : -3e38);
     return share.x * max(map_at(corner.x), least) + share.y * max(map_at(corner.y), least) +
            share.z * max(map_at(corner.z), least);
 }
