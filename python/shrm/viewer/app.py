@@ -18,9 +18,10 @@ from shrm.viewer.comparison import Comparison
 from shrm.viewer.drag import Drag, begun, dragged
 from shrm.viewer.geometry import bounds
 from shrm.viewer.integration import Question
+from shrm.viewer.keys import draw_keys
 from shrm.viewer.lighting import Lighting, Prefiltered, Request
 from shrm.viewer.orbit import Orbit
-from shrm.viewer.panel import WIDTH, Facts, Panel, draw_keys
+from shrm.viewer.panel import WIDTH, Facts, Panel
 from shrm.viewer.renderer import Renderer
 from shrm.viewer.scene import Scene
 from shrm.viewer.screen import Screen

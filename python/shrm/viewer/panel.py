@@ -1,4 +1,4 @@
-"""The panel beside the picture: what is shown, how well, how fast; and the list of keys."""
+"""The panel beside the picture: what is shown, how well, how fast."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from shrm.layouts import LAYOUTS
 from shrm.reflection_map import ReflectionMap
 from shrm.viewer.choices import (
     BUTTONS,
-    KEYS,
     MESHES,
     METHODS,
     NAMED,
@@ -394,24 +393,6 @@ class Panel:
         pressed = imgui.radio_button(label, active)
         self._place(label)
         return pressed
-
-
-def draw_keys(left: float, width: float, height: float) -> None:
-    """Draw the list of keys over the middle of the picture, which begins at `left`."""
-    flags = imgui.WindowFlags
-    imgui.set_next_window_pos((left + 0.5 * width, 0.5 * height), pivot=(0.5, 0.5))
-    imgui.set_next_window_bg_alpha(0.9)
-    kind = flags.NO_TITLE_BAR | flags.ALWAYS_AUTO_RESIZE | flags.NO_MOVE | flags.NO_SAVED_SETTINGS
-    imgui.begin("keys", flags=kind | flags.NO_MOUSE_INPUTS | flags.NO_FOCUS_ON_APPEARING)
-    if imgui.begin_table("keys", 2, imgui.TableFlags.SIZING_FIXED_FIT):
-        for key, meaning in KEYS:
-            imgui.table_next_row()
-            imgui.table_next_column()
-            imgui.text_colored(YELLOW, key)
-            imgui.table_next_column()
-            imgui.text(meaning)
-        imgui.end_table()
-    imgui.end()
 
 
 def _of(maps: tuple[ReflectionMap, ...], index: int) -> ReflectionMap | None:
