@@ -228,7 +228,7 @@ void integrators() {
                         angular::integrate_radial(picture, profile, outer, axes, out);
                         const shrm::Pyramid pyramid(random_values<float>(size(H) * size(W) * 3), H, W);
                         for (double threshold : {0., 0.1})
-                            shrm::hierarchical::integrate_radial(pyramid, profile, 1, {threshold, outer, 0.2},
+                            shrm::hierarchical::integrate_radial(pyramid, profile, outer, {threshold, 1, 0.2},
                                                                  axes, out);
                         for (int map_W : {5, 8})
                             for (bool symmetry : {false, true}) {
@@ -247,6 +247,10 @@ void integrators() {
                 const std::vector<angular::Band> bands{{0, 1}, {0.5, 2}, {0, shrm::pi}};
                 const std::vector<double> theta_o{0, 0.1, 0.7, 1.2, 1.6, 2, 2.5, 3, shrm::pi};
                 angular::integrate_zonal(picture, {zonal, bands, 3, channels, nodes}, axes, theta_o, out);
+                const shrm::Pyramid pyramid(random_values<float>(size(H) * size(W) * 3), H, W);
+                for (double threshold : {0., 0.1})
+                    shrm::hierarchical::integrate_zonal(pyramid, {zonal, bands, 3, channels, nodes}, bands,
+                                                        {threshold, 1, 0.2}, axes, theta_o, out);
 
                 const auto envelope = random_values<float>(size(nodes + 2));
                 const auto ratio =

@@ -11,11 +11,11 @@ from shrm import brdf, explicit, prefilter
 from shrm.explicit import (
     fit,
     icosahedral_maps,
-    icosahedron,
     reflection_maps,
     three_dimensional_texture,
     without_azimuth,
 )
+from shrm.icosahedral import icosahedron
 from shrm.reproduce.comparison import Frames
 from shrm.reproduce.velvet import velvet
 

@@ -5,18 +5,19 @@ import oracles
 import pytest
 from directions import sphere
 from light import band_limited_environment
-from shrm import brdf, explicit, prefilter
-from shrm.icosahedral import IcosahedralMaps, faces, solid_angle, weights
+from shrm import brdf, prefilter
+from shrm.icosahedral import faces, icosahedron, solid_angle, weights
+from shrm.prefiltered import Cabral, twelve_views
 from shrm.reference import AngularReflection, integrate, prefilter_angular
 from shrm.reproduce.comparison import Frames
 
 
-def integrated(exact: AngularReflection) -> IcosahedralMaps:
-    return IcosahedralMaps.fitted([exact.at_view(view) for view in explicit.icosahedron()])
+def integrated(exact: AngularReflection) -> Cabral:
+    return Cabral.fitted([exact.at_view(view) for view in icosahedron()])
 
 
 def test_the_triangles_tile_the_sphere():
-    a, b, c = explicit.icosahedron()[faces()].transpose(1, 0, 2)
+    a, b, c = icosahedron()[faces()].transpose(1, 0, 2)
     assert len(a) == 20
     np.testing.assert_allclose(solid_angle(a, b, c), 4 * np.pi / 20, rtol=1e-13)
 
@@ -28,12 +29,12 @@ def test_icosahedral_weights_are_barycentric():
     np.testing.assert_allclose(w.sum(axis=1), 1, atol=1e-14)
     np.testing.assert_array_equal((w > 0).sum(axis=1), 3)  # almost surely inside a triangle
     # they belong to the triangle around the view: its three vertices are the nearest
-    near = np.sort(np.argsort(-V @ explicit.icosahedron().T, axis=1)[:, :3], axis=1)
+    near = np.sort(np.argsort(-V @ icosahedron().T, axis=1)[:, :3], axis=1)
     np.testing.assert_array_equal(np.sort(np.argsort(-w, axis=1)[:, :3], axis=1), near)
 
 
 def test_icosahedral_weights_are_exact_at_vertices_and_even_in_between():
-    v = explicit.icosahedron()
+    v = icosahedron()
     np.testing.assert_allclose(weights(v), np.eye(12), atol=1e-12)
     centers = v[faces()].sum(axis=1)
     w = weights(centers / np.linalg.norm(centers, axis=1, keepdims=True))
@@ -41,7 +42,7 @@ def test_icosahedral_weights_are_exact_at_vertices_and_even_in_between():
 
 
 def test_icosahedral_weights_are_continuous_over_edges():
-    v = explicit.icosahedron()
+    v = icosahedron()
     i, j = np.nonzero(np.triu(v @ v.T > 0.4, k=1))
     assert len(i) == 30
     t = np.random.default_rng(2).uniform(size=(30, 1))
@@ -63,7 +64,7 @@ def test_twelve_maps_are_exact_for_their_own_views_and_for_radial_lobes():
     # 3e-3: quadrature of texels of 11 degrees, and cubic look-ups between rows of 4 degrees
     maps = integrated(prefilter_angular(env, glossy, size=48, center="reflection"))
     assert maps.nbytes == 12 * 48 * 96 * 3 * 4
-    V = explicit.icosahedron()[7]
+    V = icosahedron()[7]
     N = sphere(400, seed=4)
     N = N[N @ V > 0.3]
     views = np.broadcast_to(V, N.shape)
@@ -83,14 +84,13 @@ def test_of_a_shrm_they_are_its_maps_at_their_views(layout):
     """Borders included: every look-up is the SHRM's own, up to the rounding of sums of few float32 terms."""
     material = brdf.GGX(0.4) + 0.3 * brdf.Lambert(0.5)
     rm = prefilter(band_limited_environment(5, seed=7), material, orders=(5, 3), size=12, layout=layout)
-    maps = IcosahedralMaps.of(rm)
-    assert len(maps.maps) == 12
-    for k, V in enumerate(explicit.icosahedron()):
+    maps = twelve_views(rm)
+    assert [len(one.layers) for one in maps.lobes] == [12, 12]
+    for V in icosahedron():
         N = sphere(200, seed=8)
         N = N[N @ V > 0]  # beyond the horizon a SHRM is asked for another view
         expected = rm.radiance(N, V)
-        for found in (maps, maps.maps[k]):
-            np.testing.assert_allclose(found.radiance(N, V), expected, atol=4e-6 * np.abs(expected).max())
+        np.testing.assert_allclose(maps.radiance(N, V), expected, atol=4e-6 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("layout", ["latlong", "cube"])
@@ -101,17 +101,20 @@ def test_about_the_tangent_they_are_the_shrm_s_at_texels(layout):
     )
     (part,) = rm.parts
     C = part.ring_directions().reshape(-1, 3)
-    for one, V in zip(IcosahedralMaps.of(rm).maps, explicit.icosahedron(), strict=True):
+    for layer, V in zip(twelve_views(rm).lobes[0].layers, icosahedron(), strict=True):
         expected = part.series(C, np.broadcast_to(V, C.shape).copy())
-        found = one.parts[0].rings[:, 0].transpose(0, 2, 1).reshape(-1, 3) / np.sqrt(4 * np.pi)
+        found = layer.rings[:, 0].transpose(0, 2, 1).reshape(-1, 3) / np.sqrt(4 * np.pi)
         np.testing.assert_allclose(found, expected, atol=4e-6 * np.abs(expected).max())
 
 
 def test_between_views_they_are_blended():
     rm = prefilter(band_limited_environment(5, seed=9), brdf.GGX(0.4), orders=(5, 3), size=12)
-    maps = IcosahedralMaps.of(rm)
+    maps = twelve_views(rm)
     N, V = oracles.random_views(100, seed=10)
-    of_each = np.stack([one.radiance(N, V) for one in maps.maps], axis=1)  # P = 0: V moves the place only
+    # Where each of the twelve views stands alone, at the same central directions.
+    (cabral,) = maps.lobes
+    C = cabral._central(N, V, N)
+    of_each = np.stack([layer.looked_up(C, C) for layer in cabral.layers], axis=1)
     expected = np.einsum("nk,nkc->nc", weights(V), of_each)
     np.testing.assert_allclose(maps.radiance(N, V), expected, rtol=1e-5)
     assert np.abs(expected - rm.radiance(N, V)).max() > 0.01 * expected.max()  # which the SHRM is not
@@ -119,4 +122,4 @@ def test_between_views_they_are_blended():
 
 def test_twelve_pictures_are_asked_for():
     with pytest.raises(ValueError, match=r"shape \(12, H, 2 H, 3\), got \(3, 4, 8, 3\)"):
-        IcosahedralMaps.fitted(np.zeros((3, 4, 8, 3)))
+        Cabral.fitted(np.zeros((3, 4, 8, 3)))

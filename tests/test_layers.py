@@ -29,15 +29,18 @@ PYTHON_ORDER = [
     ["orders"],
     ["rings"],
     ["reflection_map", "reflection_file"],  # a map's save and load are the file's
-    ["explicit"],
     ["icosahedral"],
+    ["explicit"],
     ["radial_table"],
     ["lobe_tables"],
     ["lobe_integrals"],
     ["reference"],
+    ["lobe_descents"],
     ["hierarchical"],
     ["cost"],
     ["prefiltering"],
+    ["kautz_mccool"],
+    ["prefiltered"],
     ["methods"],
     ["relighting"],
     ["transfer"],
@@ -73,8 +76,10 @@ CPP_ORDER = [
     ["angular_lanes"],
     ["angular_profile", "angular_texels", "angular_caps", "angular_queries"],
     ["angular_radial", "angular_half_angle", "angular_zonal", "angular_isotropic"],
+    ["pyramid"],
     ["hierarchical"],
-    ["hierarchical"],
+    ["hierarchical_walk"],
+    ["hierarchical_radial", "hierarchical_zonal", "hierarchical_isotropic"],
     ["transfer"],
     ["directional_basis"],
     ["radiance_pca"],
@@ -88,7 +93,14 @@ def stages(order: list[list[str]]) -> dict[str, int]:
 PYTHON_STAGE, CPP_STAGE = stages(PYTHON_ORDER), stages(CPP_ORDER)
 
 # The integrators judge the harmonics, so they may use nothing of them.
-PYTHON_JUDGES = {"radial_table", "lobe_tables", "lobe_integrals", "reference"}
+PYTHON_JUDGES = {
+    "radial_table",
+    "lobe_tables",
+    "lobe_integrals",
+    "reference",
+    "lobe_descents",
+    "hierarchical",
+}
 PYTHON_NEUTRAL = {
     "_core",
     "validation",
@@ -99,7 +111,9 @@ PYTHON_NEUTRAL = {
     "lobe_quadrature",
     "central_direction",
 }
-CPP_JUDGES = {part for stage in CPP_ORDER for part in stage if part.startswith("angular")} | {"hierarchical"}
+CPP_JUDGES = {
+    part for stage in CPP_ORDER for part in stage if part.startswith(("angular", "pyramid", "hierarchical"))
+}
 CPP_NEUTRAL = {"core", "simd", "quadrature", "layouts", "grid"}
 
 # Each wraps its part of the core.
@@ -113,6 +127,7 @@ CORE_WRAPPERS = {
     "rings",
     "reflection_map",
     "explicit",
+    "lobe_descents",
     "hierarchical",
     "relighting",
     "lobe_integrals",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from directions import sphere
 from shrm import explicit
+from shrm.icosahedral import icosahedron
 from shrm.reproduce import names
 from shrm.reproduce import representations as forms
 from shrm.reproduce.exponents import fit
@@ -86,9 +87,9 @@ def test_representations_hold_the_light_that_they_were_made_from(table: forms.Ta
     # 2.5 and 1.5.
     bound = 2 * 0.0024 * 1.5 + (0.0096 + 0.0024) * 2.5
     assert np.abs(table.radiance(R, V) - exact).max() < bound
-    twelve = np.repeat((of_V(explicit.icosahedron())[:, None] * table_over_R())[..., None], 3, axis=-1)
+    twelve = np.repeat((of_V(icosahedron())[:, None] * table_over_R())[..., None], 3, axis=-1)
     icosahedral = forms.Icosahedral(twelve.reshape(12, H, 2 * H, 3).astype(np.float32))
-    vertices = explicit.icosahedron()
+    vertices = icosahedron()
     at_vertices = icosahedral.radiance(R[:12], vertices)
     np.testing.assert_allclose(at_vertices[:, 0], of_R(R[:12]) * of_V(vertices), atol=2 * 0.0024 * 1.5)
     # One product is one term, and one distribution over the views.

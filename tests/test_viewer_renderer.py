@@ -11,7 +11,7 @@ from data import require
 from shrm import ReflectionMap, brdf, prefilter
 from shrm.environment import Environment
 from shrm.explicit import without_azimuth
-from shrm.icosahedral import IcosahedralMaps
+from shrm.prefiltered import Prefiltered, twelve_views
 from shrm.reference import prefilter_angular
 from shrm.render import Camera, Mesh, Object, Sphere, environment_lookup, render
 from shrm.viewer import Context, ContextError, Renderer, Scene, offscreen
@@ -45,7 +45,7 @@ def renderer(request, contexts) -> Renderer:
 class Bilinear:
     """A reflection map looked up as graphics hardware does."""
 
-    def __init__(self, rm: ReflectionMap | IcosahedralMaps) -> None:
+    def __init__(self, rm: ReflectionMap | Prefiltered) -> None:
         self.rm = rm
 
     def radiance(self, normals, views, tangents=None):
@@ -106,7 +106,7 @@ def test_spheres_are_those_of_the_cpu(renderer, material, viewer, env):
     assert compared(renderer, scene) < LARGEST[viewer]
 
 
-@pytest.mark.parametrize("method", [without_azimuth, IcosahedralMaps.of], ids=["no azimuth", "12 views"])
+@pytest.mark.parametrize("method", [without_azimuth, twelve_views], ids=["no azimuth", "12 views"])
 @pytest.mark.parametrize("viewer", ["near", "distant"])
 @pytest.mark.parametrize("material", [MATERIALS[1], MATERIALS[3]], ids=lambda material: material.name)
 def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, method):
@@ -117,7 +117,7 @@ def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, method
     assert compared(renderer, turned) < LARGEST[viewer]
 
 
-@pytest.mark.parametrize("method", [lambda rm: rm, IcosahedralMaps.of], ids=["SHRM", "12 views"])
+@pytest.mark.parametrize("method", [lambda rm: rm, twelve_views], ids=["SHRM", "12 views"])
 def test_clamped_maps_are_clamped_lobe_by_lobe(renderer, method):
     material = brdf.KajiyaKay(8) + 0.2 * brdf.Lambert(0.5) + brdf.GGX(0.2)
     sun = np.full((32, 64, 3), 0.05, np.float32)

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "lobe_tables.hpp"
 #include "ndarray.hpp"
-#include "radial_profile.hpp"
 
 namespace shrm::bindings {
 namespace {
@@ -46,23 +46,15 @@ Array<float> radial_map(const Array<float>& planes, int subsamples, const Array<
     return out;
 }
 
-std::vector<angular::Cap> caps_of(const Array<double>& caps) {
-    std::vector<angular::Cap> result;
-    for (py::ssize_t k = 0; k < caps.shape(0); ++k) result.push_back({caps.at(k, 0), caps.at(k, 1)});
-    return result;
-}
-
 Array<float> half_angle(const Array<float>& planes, int subsamples, const Array<float>& profile, int shift,
                         double scale, double support, const Array<double>& caps, const Array<double>& normals,
                         const Array<double>& views, bool share) {
     const auto picture = picture_of(planes, subsamples);
     const auto table = profile_of(profile, shift, scale, support);
     if (table.channels != 1) throw py::value_error("a half-angle profile has 1 channel");
-    require_shape(caps, "caps", {any, 2});
-    if (extent(caps, 0) < 2) throw py::value_error("caps needs at least 2 view nodes");
     const auto n = directions(normals, "normals"), v = directions(views, "views");
     require_shape(views, "views", {normals.shape(0), 3});
-    const auto ranges = caps_of(caps);
+    const auto ranges = caps_of(caps, any);
     Array<float> out = allocate<float>({normals.shape(0), 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
     {
@@ -75,17 +67,10 @@ Array<float> half_angle(const Array<float>& planes, int subsamples, const Array<
 Array<float> zonal(const Array<float>& planes, int subsamples, const Array<float>& profiles,
                    const Array<double>& bands, const Array<double>& axes, const Array<double>& theta_o) {
     const auto picture = picture_of(planes, subsamples);
-    require_shape(profiles, "profiles", {any, any, any});
-    require_shape(bands, "bands", {profiles.shape(0), 2});
-    require_channels(extent(profiles, 1));
-    if (extent(profiles, 0) < 2 || extent(profiles, 2) < 3)
-        throw py::value_error("profiles needs at least 2 rows and 3 nodes");
+    const auto ranges = bands_of(bands, "bands", profiles.shape(0));
+    const auto table = zonal_of(profiles, ranges);
     const auto centres = directions(axes, "axes");
     require_shape(theta_o, "theta_o", {axes.shape(0)});
-    std::vector<angular::Band> ranges;
-    for (py::ssize_t k = 0; k < bands.shape(0); ++k) ranges.push_back({bands.at(k, 0), bands.at(k, 1)});
-    const angular::ZonalProfiles table = {view(profiles), ranges, extent(profiles, 0), extent(profiles, 1),
-                                          extent(profiles, 2) - 2};
     Array<float> out = allocate<float>({axes.shape(0), 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
     {
@@ -99,23 +84,10 @@ Array<float> isotropic(const Array<float>& planes, int subsamples, const Array<f
                        const Array<float>& ratio, const Array<double>& caps, const Array<double>& normals,
                        const Array<double>& views) {
     const auto picture = picture_of(planes, subsamples);
-    require_shape(envelope, "envelope", {any});
-    require_shape(ratio, "ratio", {any, any, any, any});
-    require_channels(extent(ratio, 1));
-    require_shape(caps, "caps", {ratio.shape(0), 2});
-    if (extent(envelope, 0) < 3 || extent(ratio, 0) < 2 || extent(ratio, 2) < 3 || extent(ratio, 3) < 3)
-        throw py::value_error("envelope and ratio need at least one interval along each axis");
+    const auto ranges = caps_of(caps, ratio.shape(0));
+    const auto table = isotropic_of(envelope, ratio, ranges);
     const auto n = directions(normals, "normals"), v = directions(views, "views");
     require_shape(views, "views", {normals.shape(0), 3});
-    const auto ranges = caps_of(caps);
-    const angular::IsotropicTable table = {view(envelope),
-                                           view(ratio),
-                                           ranges,
-                                           extent(ratio, 1),
-                                           extent(envelope, 0) - 2,
-                                           extent(ratio, 0) - 1,
-                                           extent(ratio, 2) - 2,
-                                           extent(ratio, 3) - 2};
     Array<float> out = allocate<float>({normals.shape(0), 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
     {

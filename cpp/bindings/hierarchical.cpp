@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "lobe_tables.hpp"
 #include "ndarray.hpp"
-#include "radial_profile.hpp"
 
 namespace shrm::bindings {
 namespace {
@@ -16,20 +16,54 @@ std::unique_ptr<Pyramid> pyramid_of(const Array<float>& pixels) {
     return std::make_unique<Pyramid>(in, extent(pixels, 0), extent(pixels, 1));
 }
 
-py::tuple radial(const Pyramid& pyramid, const Array<float>& profile, int shift, double scale, double support,
-                 double integral, double threshold, double outer, double finest,
-                 const Array<double>& centres) {
-    const auto table = profile_of(profile, shift, scale, support);
-    const auto targets = directions(centres, "centres");
-    Array<float> out = allocate<float>({centres.shape(0), 3});
+// Runs integrate(out) for as many targets: their radiance, and the evaluations that it took.
+template <class Integrate>
+py::tuple descended(py::ssize_t targets, const Integrate& integrate) {
+    Array<float> out = allocate<float>({targets, 3});
     const auto result = view(out);
     hierarchical::Effort effort{};
     {
         const py::gil_scoped_release release;
-        effort = hierarchical::integrate_radial(pyramid, table, integral, {threshold, outer, finest}, targets,
-                                                result);
+        effort = integrate(result);
     }
     return py::make_tuple(out, effort.evaluations);
+}
+
+py::tuple radial(const Pyramid& pyramid, const Array<float>& profile, int shift, double scale, double support,
+                 double outer, double threshold, double integral, double finest,
+                 const Array<double>& centres) {
+    const auto table = profile_of(profile, shift, scale, support);
+    const auto targets = directions(centres, "centres");
+    return descended(centres.shape(0), [&](std::span<float> out) {
+        return hierarchical::integrate_radial(pyramid, table, outer, {threshold, integral, finest}, targets,
+                                              out);
+    });
+}
+
+py::tuple zonal(const Pyramid& pyramid, const Array<float>& profiles, const Array<double>& bands,
+                const Array<double>& supports, double threshold, double integral, double finest,
+                const Array<double>& axes, const Array<double>& theta_o) {
+    const auto inner = bands_of(bands, "bands", profiles.shape(0));
+    const auto whole = bands_of(supports, "supports", profiles.shape(0));
+    const auto table = zonal_of(profiles, inner);
+    const auto targets = directions(axes, "axes");
+    require_shape(theta_o, "theta_o", {axes.shape(0)});
+    return descended(axes.shape(0), [&](std::span<float> out) {
+        return hierarchical::integrate_zonal(pyramid, table, whole, {threshold, integral, finest}, targets,
+                                             view(theta_o), out);
+    });
+}
+
+py::tuple isotropic(const Pyramid& pyramid, const Array<float>& envelope, const Array<float>& ratio,
+                    const Array<double>& caps, double threshold, double integral, double finest,
+                    const Array<double>& normals, const Array<double>& views) {
+    const auto ranges = caps_of(caps, ratio.shape(0));
+    const auto table = isotropic_of(envelope, ratio, ranges);
+    const auto n = directions(normals, "normals"), v = directions(views, "views");
+    require_shape(views, "views", {normals.shape(0), 3});
+    return descended(normals.shape(0), [&](std::span<float> out) {
+        return hierarchical::integrate_isotropic(pyramid, table, {threshold, integral, finest}, n, v, out);
+    });
 }
 
 }  // namespace
@@ -41,8 +75,14 @@ void bind_hierarchical(py::module_& module) {
         .def_property_readonly("levels", &Pyramid::levels);
     module.attr("HIERARCHICAL_BLOCK") = hierarchical::block;
     module.def("hierarchical_radial", radial, py::kw_only(), "pyramid"_a, "profile"_a.noconvert(), "shift"_a,
-               "scale"_a, "support"_a, "integral"_a, "threshold"_a, "outer"_a, "finest"_a,
+               "scale"_a, "support"_a, "outer"_a, "threshold"_a, "integral"_a, "finest"_a,
                "centres"_a.noconvert());
+    module.def("hierarchical_zonal", zonal, py::kw_only(), "pyramid"_a, "profiles"_a.noconvert(),
+               "bands"_a.noconvert(), "supports"_a.noconvert(), "threshold"_a, "integral"_a, "finest"_a,
+               "axes"_a.noconvert(), "theta_o"_a.noconvert());
+    module.def("hierarchical_isotropic", isotropic, py::kw_only(), "pyramid"_a, "envelope"_a.noconvert(),
+               "ratio"_a.noconvert(), "caps"_a.noconvert(), "threshold"_a, "integral"_a, "finest"_a,
+               "normals"_a.noconvert(), "views"_a.noconvert());
 }
 
 }  // namespace shrm::bindings

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#if defined(__AVX512F__)
+#if defined(__AVX2__)
 #include <immintrin.h>
 #endif
 
@@ -66,6 +66,43 @@ SHRM_INLINE Lanes inverse_root(const Lanes& v) {
     for (int k = 0; k < width; ++k) r[k] = 1.0f / std::sqrt(v[k]);
     return r;
 #endif
+}
+
+// sqrt(v) to 3e-7, for v >= 0.
+SHRM_INLINE Lanes root(const Lanes& v) {
+    return v * inverse_root(v > 1e-30f ? v : Lanes{} + 1e-30f);
+}
+
+SHRM_INLINE Lanes absolute(const Lanes& v) {
+    return reinterpret_cast<Lanes>(reinterpret_cast<Ints>(v) & 0x7fffffff);
+}
+
+// Numbers of at least 0, rounded down.
+SHRM_INLINE Ints whole(const Lanes& v) {
+    return __builtin_convertvector(v, Ints);
+}
+
+SHRM_INLINE Lanes number(const Ints& k) {
+    return __builtin_convertvector(k, Lanes);
+}
+
+SHRM_INLINE Lanes gather(const float* table, const Ints& at) {
+#if defined(__AVX512F__)
+    const auto lanes_at = reinterpret_cast<__m512i>(at);
+    const __m512 zero = _mm512_setzero_ps();  // masked by all lanes, as above
+    return reinterpret_cast<Lanes>(_mm512_mask_i32gather_ps(zero, 0xffff, lanes_at, table, 4));
+#elif defined(__AVX2__)
+    return reinterpret_cast<Lanes>(_mm256_i32gather_ps(table, reinterpret_cast<__m256i>(at), 4));
+#else
+    Lanes v;
+    for (int k = 0; k < width; ++k) v[k] = table[at[k]];
+    return v;
+#endif
+}
+
+// From a at 0 to b at 1.
+SHRM_INLINE Lanes mixed(const Lanes& a, const Lanes& b, const Lanes& t) {
+    return a + t * (b - a);
 }
 
 // v where the mask is set, else 0.

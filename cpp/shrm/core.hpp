@@ -86,7 +86,9 @@
 //                   caps     what a lobe that is cut at the horizon visits
 //                   queries  planes of the picture; threads
 //                   radial, half_angle, zonal, isotropic   the kinds of lobe
-//   hierarchical    the same sums by descent in a pyramid of the picture
+//   pyramid         a picture as a quadtree over two paraboloids
+//   hierarchical    the same sums by descent in the pyramid; walk is the descent, radial, zonal, isotropic
+//                   are the kinds of lobe
 //   simd            vectors of the instruction set that a file is compiled for
 //   stream          stores of what is larger than the caches
 #pragma once

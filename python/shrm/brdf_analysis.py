@@ -25,13 +25,13 @@ References
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Literal
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from shrm import _core
-from shrm.brdf.lobe import Center, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
+from shrm.brdf.lobe import Center, IsotropicLobe, Kind, Lobe, RadialLobe, ZonalLobe
 from shrm.central_direction import gamma_at, gamma_table, lobe_centre
 from shrm.lobe_quadrature import (
     FloatArray,
@@ -44,8 +44,6 @@ from shrm.lobe_quadrature import (
     unit_gauss,
     whole_quadrature,
 )
-
-Kind = Literal["radial", "zonal", "isotropic"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +171,7 @@ def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
 
 def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
     """The one-dimensional path: P = 0, rho_l00 = sqrt(4 pi) rho_l  [RH02] appendix C, radially symmetric."""
-    nodes = whole_quadrature(_radial_width(lobe), L)
+    nodes = whole_quadrature(_width(lambda theta: lobe.profile(np.cos(theta))), L)
     profile = columns(lobe.profile(np.cos(nodes.theta_i[0])))
     g, energy = _project(profile.reshape(*nodes.shape, -1), nodes, L, 0)
     one = np.ones(1)
@@ -181,13 +179,30 @@ def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
 
 
 def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
-    """No azimuth: only q = 0 [RH02 section 7.1, Kajiya-Kay]. V uniform on the sphere."""
-    x, w = leggauss(max(96, 8 * (P + 1)))
-    theta_o, weight = np.arccos(x), w / 2
-    nodes = uniform_quadrature(len(x), L)
+    """No azimuth: only q = 0 [RH02 section 7.1, Kajiya-Kay]."""
+    views = max(96, 8 * (P + 1))
+    if lobe.center == "tangent":  # V uniform on the sphere
+        x, w = leggauss(views)
+        theta_o, weight = np.arccos(x), w / 2
+        nodes = uniform_quadrature(views, L)
+    else:  # cos^2(theta_v) uniform, as for isotropic lobes
+        x, w = unit_gauss(views)
+        theta_o, weight = lobe.theta_o(np.pi / 2 * x), np.pi / 2 * w * np.sin(np.pi * x)
+        one = whole_quadrature(_narrowest(lobe, theta_o), L)
+        nodes = replace(one, **{n: np.repeat(getattr(one, n), views, axis=0) for n in _OF_VIEWS})
     table = lobe.profile(nodes.theta_i.ravel(), np.repeat(theta_o, nodes.theta_i.shape[1]))
     g, energy = _project(columns(table).reshape(*nodes.shape, -1), nodes, L, 0)
-    return LobeAnalysis(lobe.center, "zonal", gamma_table("tangent"), theta_o, weight, g, energy @ weight, P)
+    gamma = gamma_table(lobe.center)
+    return LobeAnalysis(lobe.center, "zonal", gamma, theta_o, weight, g, energy @ weight, P)
+
+
+_OF_VIEWS = ("theta_i", "weight_theta", "arc")
+
+
+def _narrowest(lobe: ZonalLobe, theta_o: FloatArray) -> float:
+    """The smallest width of its profiles, at some of the views."""
+    some = theta_o[:: max(len(theta_o) // 8, 1)]
+    return min(_width(lambda theta, at=at: lobe.profile(theta, np.full_like(theta, at))) for at in some)  # type: ignore[misc]
 
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
@@ -238,9 +253,10 @@ def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, 
     )
 
 
-def _radial_width(lobe: RadialLobe) -> float:
+def _width(profile: Callable[[FloatArray], FloatArray]) -> float:
+    """Angle from the centre within which half the energy of a profile of theta_i lies, radians."""
     nodes = whole_quadrature(1e-3, 0)
-    energy = (columns(lobe.profile(np.cos(nodes.theta_i[0]))) ** 2).sum(axis=-1) * nodes.weight_theta[0]
+    energy = (columns(profile(nodes.theta_i[0])) ** 2).sum(axis=-1) * nodes.weight_theta[0]
     inside = np.cumsum(energy)
     if inside[-1] <= 0:
         return 0.5

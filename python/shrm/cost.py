@@ -20,7 +20,6 @@ from typing import Literal
 import numpy as np
 
 from shrm.brdf import BRDF
-from shrm.brdf.lobe import RadialLobe, ZonalLobe
 from shrm.environment import Environment
 from shrm.orders import Orders, ToleranceWarning, choose
 from shrm.rings import Layout
@@ -96,7 +95,7 @@ def frequency_seconds(
     """Predict the time in frequency space: analysis, synthesis and a sum for each view [RH02 eq. 9]."""
     seconds = _CALL + light_texels * (_ANALYSIS + _ANALYSIS_BY_F * orders.F)
     for lobe, of_lobe in zip(brdf.lobes, orders.lobes, strict=True):
-        global_form = _kind(lobe) == "isotropic"
+        global_form = lobe.kind == "isotropic"
         values = 3 * texels * ((of_lobe.P + 1) ** 2 if global_form else of_lobe.P + 1)
         J = of_lobe.F + (of_lobe.P if global_form else 0)
         per_value = _CUBE * (J + 1) ** 2 if layout == "cube" else _SYNTHESIS + _SYNTHESIS_BY_J * J
@@ -115,16 +114,10 @@ def angular_seconds(
     """
     seconds = _CALL
     for lobe, of_lobe in zip(brdf.lobes, orders.lobes, strict=True):
-        kind = _kind(lobe)
+        kind = lobe.kind
         pairs = texels * light_texels * float(np.clip(7 / max(of_lobe.F, 1) ** 2, 0, 0.5))
         by_symmetry = kind == "radial" and layout == "latlong"
         maps = 1 if kind == "radial" else views
         per_map = pairs * (_BY_SYMMETRY if by_symmetry else _SAMPLE[kind])
         seconds += _TABLES[kind] + maps * (per_map + (0 if by_symmetry else _QUERY * texels))
     return seconds
-
-
-def _kind(lobe: object) -> str:
-    if isinstance(lobe, RadialLobe):
-        return "radial"
-    return "zonal" if isinstance(lobe, ZonalLobe) else "isotropic"

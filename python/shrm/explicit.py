@@ -23,19 +23,12 @@ import numpy.typing as npt
 from shrm import _core, sh
 from shrm.brdf.lobe import Center
 from shrm.central_direction import gamma_table
+from shrm.icosahedral import icosahedron
 from shrm.reflection_map import Part, ReflectionMap, zonal_harmonics
 from shrm.validation import one_of, real_array, unit_vectors, whole_number
 
 FloatArray = npt.NDArray[np.float64]
 Float32Array = npt.NDArray[np.float32]
-
-
-def icosahedron() -> FloatArray:
-    """Return the twelve vertices of an icosahedron on the unit sphere, two of them at +z and -z; (12, 3)."""
-    phi = np.pi / 5 * np.arange(10)
-    z = np.where(np.arange(10) % 2 == 0, 1, -1) / np.sqrt(5)
-    ring = np.stack([np.sqrt(0.8) * np.cos(phi), np.sqrt(0.8) * np.sin(phi), z], axis=1)
-    return np.concatenate([[[0, 0, 1.0]], ring, [[0, 0, -1.0]]])
 
 
 def grid_views(T: int) -> FloatArray:

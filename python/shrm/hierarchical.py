@@ -14,15 +14,13 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
-from shrm.lobe_integrals import is_radial, profile_arguments, reflection
-from shrm.radial_table import Profile, integral_within, radial_table
-from shrm.reference import DEFAULT_SIZE, Environment, Material, map_directions, pixels_of
+from shrm.lobe_descents import LEFT_OUT, LobeDescent, lobe_descent
+from shrm.reference import DEFAULT_SIZE, Environment, Material, map_directions, pixels_of, queries
 from shrm.validation import fraction, number, one_of, unit_vectors, whole_number
 
 Array = npt.NDArray[np.float64]
@@ -30,11 +28,9 @@ Radiance = npt.NDArray[np.float32]
 
 SAMPLED_BLOCKS = 64
 """Blocks of a map from which a threshold is found for an error."""
+FINE = 1e-3
+"""A threshold whose maps are compared with those of LEFT_OUT."""
 LARGEST_THRESHOLD, SMALLEST_THRESHOLD = 10.0, 1e-9
-LEFT_OUT = 0.05
-"""Of a lobe's integral, at most: within the angle that holds the rest nodes are small, and see the lobe."""
-FINEST = 2.0
-"""How small at least, in angles that hold half of the lobe; smaller, as is LEFT_OUT, for lower thresholds."""
 MARGIN = 0.8
 """Of the error wanted, what the blocks may have: they are a sample."""
 
@@ -48,7 +44,7 @@ def prefilter_hierarchical(
     size: int | None = None,
     layout: str = "latlong",
 ) -> HierarchicalReflection:
-    """Prepare hierarchical prefiltering of an environment under a material of radial lobes.
+    """Prepare hierarchical prefiltering of an environment under a material.
 
     Parameters
     ----------
@@ -56,10 +52,10 @@ def prefilter_hierarchical(
         Its texels (H, W, 3) count as points of their power at their centres, as in
         ``prefilter_angular(subsamples=1)``.
     brdf : material
-        Of lobes of one shape about the reflection or the normal: `Phong`, `Lambert`, their sums.
+        Any object with `lobes`. Those of one shape, such as Phong's, cost least.
     error : float, optional
         Relative RMS error wanted of the maps against the sum over all texels, in (0, 1); default .01. The
-        threshold is found from some blocks of texels of the map, each integrated exactly too.
+        threshold is found from some blocks of texels of maps, each integrated exactly too.
     threshold : float, optional
         In its place: by how much the light of a node may change, its brightness times the difference of the
         lobe between it and its parent, in parts of the mean reflected light. 0 visits every texel.
@@ -89,15 +85,10 @@ def prefilter_hierarchical(
             raise ValueError(f"error must be above 0 and below 1, got {error!r}")
     else:
         threshold = number("threshold", threshold, 0.0)
-    if not brdf.lobes:
+    lobes = [lobe_descent(lobe) for lobe in brdf.lobes]
+    if not lobes:
         raise ValueError("brdf has no lobes, but needs at least one")
-    for lobe in brdf.lobes:
-        if not is_radial(lobe):
-            raise ValueError(
-                f"{getattr(brdf, 'name', 'the material')} has a lobe whose shape changes with the view: "
-                "prefilter_hierarchical takes radial ones, others prefilter_angular"
-            )
-    return HierarchicalReflection(pixels, brdf.lobes, edge, layout, wanted, threshold)
+    return HierarchicalReflection(pixels, lobes, edge, layout, wanted, threshold)
 
 
 class HierarchicalReflection:
@@ -120,7 +111,7 @@ class HierarchicalReflection:
     def __init__(
         self,
         pixels: npt.NDArray[np.float32],
-        lobes: Sequence[Any],
+        lobes: Sequence[LobeDescent],
         size: int,
         layout: str,
         error: float | None,
@@ -133,7 +124,7 @@ class HierarchicalReflection:
         self._shape = C.shape
         self._order = _by_blocks(C.shape[:-1])
         self._targets = np.ascontiguousarray(C.reshape(-1, 3)[self._order])  # block by block
-        self._lobes = [_Radial(lobe.center, lobe.profile) for lobe in lobes]
+        self._lobes = tuple(lobes)
         if threshold is None:
             assert error is not None
             self.threshold = tuple(self._threshold(lobe, error) for lobe in self._lobes)
@@ -157,10 +148,8 @@ class HierarchicalReflection:
 
         Parameters
         ----------
-        normals, views : (n, 3) array_like
-            Unit vectors; one view (3,) may serve all.
-        tangents : (n, 3) array_like, optional
-            Not needed: no lobe depends on them.
+        normals, views, tangents : (n, 3) array_like
+            As in `shrm.reference.integrate`.
 
         Returns
         -------
@@ -171,16 +160,15 @@ class HierarchicalReflection:
         TypeError, ValueError
             If an argument is not as described.
         """
-        n = unit_vectors("normals", normals)
-        v = unit_vectors("views", views, len(n))
+        n, v, t = queries(self._lobes, normals, views, tangents)
         result = np.zeros((len(n), 3), np.float32)
         self.evaluations = 0.0
         for lobe, threshold in zip(self._lobes, self.threshold, strict=True):
-            result += self._about(lobe, n if lobe.center == "normal" else reflection(n, v), threshold)
+            result += self._reflected(lobe, (n, v, t), threshold)
         return result
 
     def at_view(self, view: npt.ArrayLike) -> Radiance | dict[str, Radiance]:
-        """Return the reflection map, which is the same for all views: radiance against the central direction.
+        """Return the reflection map for a distant viewer: radiance against the central direction.
 
         Parameters
         ----------
@@ -190,51 +178,61 @@ class HierarchicalReflection:
         Returns
         -------
         (size, 2 size, 3) or (6, size, size, 3) float32, or {centre: map}
-            One map for each centre among the lobes.
+            One map for each centre among the lobes. Directions of the lobe centre that no visible normal has
+            show the normal at the silhouette.
 
         Raises
         ------
         TypeError, ValueError
             If `view` is not a unit vector.
         """
-        unit_vectors("view", view, 1)
+        v = np.broadcast_to(unit_vectors("view", view, 1), self._targets.shape)
         maps: dict[str, Radiance] = {}
         self.evaluations = 0.0
         for lobe, threshold in zip(self._lobes, self.threshold, strict=True):
             found = np.empty(self._targets.shape, np.float32)
-            found[self._order] = self._about(lobe, self._targets, threshold)
+            found[self._order] = self._reflected(lobe, _frames(lobe, self._targets, v), threshold)
             of_lobe = found.reshape(self._shape)
             maps[lobe.center] = maps[lobe.center] + of_lobe if lobe.center in maps else of_lobe
         return next(iter(maps.values())) if len(maps) == 1 else maps
 
-    def _about(self, lobe: _Radial, centres: Array, threshold: float) -> Radiance:
-        found, evaluations = _core.hierarchical_radial(
-            pyramid=self._pyramid, **lobe.arguments(threshold), threshold=threshold, centres=centres
-        )
+    def _reflected(self, lobe: LobeDescent, frames: Frames, threshold: float) -> Radiance:
+        found, evaluations = lobe.radiance(self._pyramid, *frames, threshold)
         self.evaluations += evaluations
-        return np.asarray(found)
+        return found
 
-    def _threshold(self, lobe: _Radial, error: float) -> float:
-        """The largest threshold, to a tenth, whose error is within what is wanted: in a sample of the map."""
+    def _threshold(self, lobe: LobeDescent, error: float) -> float:
+        """The largest threshold, to a tenth, whose error is within what is wanted: in a sample of maps."""
         block, count = _core.HIERARCHICAL_BLOCK, len(self._order)
+        random = np.random.default_rng(2000)
+        # Each block of texels as one view sees it.
+        views = random.normal(size=(-(-count // block), 3))
+        views /= np.linalg.norm(views, axis=1, keepdims=True)
+        frames = _frames(lobe, self._targets, views.repeat(block, axis=0)[:count])
         area = self._areas()[self._order, None]
-        # Blocks by their energy, since errors are largest where the map is bright.
-        of_each = (area * self._about(lobe, self._targets, LEFT_OUT).astype(np.float64) ** 2).sum(axis=1)
-        energy = np.add.reduceat(of_each, np.arange(0, count, block))
+
+        def of_blocks(pixels: Array) -> Array:
+            return np.asarray(np.add.reduceat((area * pixels**2).sum(axis=1), np.arange(0, count, block)))
+
+        # Blocks by what two thresholds say of their errors, by their energy, and evenly.
+        fine, coarse = (self._reflected(lobe, frames, at).astype(np.float64) for at in (FINE, LEFT_OUT))
+        energy, difference = of_blocks(fine), of_blocks(fine - coarse)
         total = energy.sum()
         if total == 0:
             return 1.0
         chance = 0.5 * energy / total + 0.5 / len(energy)
-        drawn = np.random.default_rng(2000).choice(len(energy), SAMPLED_BLOCKS, p=chance / chance.sum())
+        if difference.any():
+            chance = 0.5 * chance + 0.5 * difference / difference.sum()
+        drawn = random.choice(len(energy), SAMPLED_BLOCKS, p=chance / chance.sum())
         places = drawn[:, None] * block + np.arange(block)
         inside = places < count
         places = np.minimum(places, count - 1)
         weight = inside * area[places, 0] / (SAMPLED_BLOCKS * chance[drawn])[:, None] / total
-        sample = np.ascontiguousarray(self._targets[places.ravel()])
-        exact = self._about(lobe, sample, 0.0).astype(np.float64)
+        n, v, t = (np.ascontiguousarray(d[places.ravel()]) for d in frames)
+        exact = self._reflected(lobe, (n, v, t), 0.0).astype(np.float64)
 
         def off(threshold: float) -> float:
-            square = ((self._about(lobe, sample, threshold) - exact) ** 2).sum(axis=1)
+            square = ((self._reflected(lobe, (n, v, t), threshold) - exact) ** 2).sum(axis=1)
             return float(np.sqrt((weight.ravel() * square).sum()))
 
         low, high = 0.0, LARGEST_THRESHOLD
@@ -251,23 +249,13 @@ class HierarchicalReflection:
         return np.ones(len(self._order))
 
 
-class _Radial:
-    """A lobe of fixed shape, as the core takes it."""
+Frames = tuple[Array, Array, Array]
+"""Normals, views and tangents, each (n, 3)."""
 
-    def __init__(self, center: str, profile: Profile) -> None:
-        self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
-        self._table = radial_table(profile, LEFT_OUT)
-        self._angle, self._within = integral_within(profile)
 
-    def arguments(self, threshold: float) -> dict[str, Any]:
-        """Return the table, and down to where nodes are split whatever their samples say."""
-        left_out = min(LEFT_OUT, max(threshold, 1e-6))
-        return {
-            **profile_arguments(self._table),
-            "integral": self._table.integral,
-            "outer": float(np.interp(1.0 - left_out, self._within, self._angle)),
-            "finest": FINEST * self._table.width * min(1.0, np.sqrt(threshold / LEFT_OUT)),
-        }
+def _frames(lobe: LobeDescent, centers: Array, views: Array) -> Frames:
+    """Frames in which the lobe has its centre at texels of a map."""
+    return np.ascontiguousarray(lobe.normals(centers, views)), np.ascontiguousarray(views), centers
 
 
 def _by_blocks(shape: tuple[int, ...]) -> npt.NDArray[np.intp]:

@@ -45,9 +45,11 @@ class LobeIntegral(Protocol):
         """Normals (n, 3) whose centres, seen from v, are `centers`; a tangent lobe has none to find."""
 
 
-def is_radial(lobe: Any) -> bool:
-    """Whether a lobe is a profile of C.L alone."""
-    return lobe.center != "tangent" and hasattr(lobe, "profile")
+def kind_of(lobe: Any) -> str:
+    """Return a lobe's kind, as `shrm.brdf.lobe.Lobe` has it; other classes need not say theirs."""
+    if not hasattr(lobe, "profile"):
+        return "isotropic"
+    return str(getattr(lobe, "kind", "zonal" if lobe.center == "tangent" else "radial"))
 
 
 def lobe_integral(lobe: Any, tolerance: float, center: str | None, share: bool) -> LobeIntegral:
@@ -56,9 +58,10 @@ def lobe_integral(lobe: Any, tolerance: float, center: str | None, share: bool) 
     With `share`, queries that have the first one's view read their half vectors from one table (lobes of the
     half angle alone).
     """
-    if lobe.center == "tangent":
-        return ZonalIntegral(lobe.profile, tolerance)
-    if is_radial(lobe):
+    kind = kind_of(lobe)
+    if kind == "zonal":
+        return ZonalIntegral(lobe.center, lobe.profile, tolerance)
+    if kind == "radial":
         return RadialIntegral(lobe.center, lobe.profile, tolerance)
     return IsotropicIntegral(center or lobe.center, lobe.transfer, tolerance, share)
 
@@ -84,7 +87,7 @@ class RadialIntegral:
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
         """Reflected radiance; see `LobeIntegral`."""
-        return self.about(picture, n if self.center == "normal" else reflection(n, v))
+        return self.about(picture, central_directions(self.center, n, v, t))
 
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeIntegral`."""
@@ -102,22 +105,24 @@ def profile_arguments(table: RadialTable) -> dict[str, Any]:
 
 
 class ZonalIntegral:
-    """A lobe about the tangent that depends on two angles."""
+    """A lobe that depends on two angles from its centre."""
 
-    center = "tangent"
-
-    def __init__(self, profile: Callable[[Array, Array], Array], tolerance: float):
-        table = lobe_tables.zonal_table(profile, tolerance)
+    def __init__(self, center: str, profile: Callable[[Array, Array], Array], tolerance: float):
+        self.center = one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
+        table = lobe_tables.zonal_table(for_all_views(center, profile), tolerance)
         self.width, self.error = table.width, table.error
         self._table: dict[str, Any] = {"profiles": table.values, "bands": table.bands}
 
     def radiance(self, picture: dict[str, Any], n: Array, v: Array, t: Array) -> Radiance:
         """Reflected radiance; see `LobeIntegral`."""
-        return np.asarray(_core.angular_zonal(**picture, **self._table, axes=t, theta_o=across(t, v)[1]))
+        axes = central_directions(self.center, n, v, t)
+        return np.asarray(
+            _core.angular_zonal(**picture, **self._table, axes=axes, theta_o=across(axes, v)[1])
+        )
 
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeIntegral`."""
-        return centers
+        return bisector(centers, v) if self.center == "reflection" else centers
 
 
 class IsotropicIntegral:
@@ -158,20 +163,39 @@ class IsotropicIntegral:
 
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeIntegral`."""
-        if self.center == "normal":
-            return centers
-        if self.center == "reflection":
-            return bisector(centers, v)
-        # theta_o = theta_v + gamma(theta_v) is monotone: read it backwards.
-        gamma = gamma_table("lobe", self._transfer)
-        theta_v = np.linspace(0, np.pi / 2, len(gamma))
-        theta_o = np.maximum.accumulate(theta_v + gamma)
-        x, angle = across(v, centers)
-        angle = np.interp(angle, theta_o, theta_v)
-        return np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * x
+        return normals_of(self.center, self._transfer, centers, v)
 
 
 # ---- Directions
+
+
+def central_directions(center: str, n: Array, v: Array, t: Array) -> Array:
+    """C of lobes whose centre is none of their own: R, N or T, (n, 3)."""
+    if center == "reflection":
+        return reflection(n, v)
+    return n if center == "normal" else t
+
+
+def for_all_views(center: str, profile: Callable[[Array, Array], Array]) -> Callable[[Array, Array], Array]:
+    """Return a zonal profile for theta_o in [0, pi]: about the normal, views are brought to the horizon."""
+    if center != "normal":
+        return profile
+    return lambda theta_i, theta_o: profile(theta_i, np.minimum(theta_o, np.pi / 2))
+
+
+def normals_of(center: str, transfer: Callable[[Array, Array], Array], centers: Array, v: Array) -> Array:
+    """Normals (n, 3) of an isotropic lobe whose centres, seen from v, are `centers`."""
+    if center == "normal":
+        return centers
+    if center == "reflection":
+        return bisector(centers, v)
+    # theta_o = theta_v + gamma(theta_v) is monotone: read it backwards.
+    gamma = gamma_table("lobe", transfer)
+    theta_v = np.linspace(0, np.pi / 2, len(gamma))
+    theta_o = np.maximum.accumulate(theta_v + gamma)
+    x, angle = across(v, centers)
+    angle = np.interp(angle, theta_o, theta_v)
+    return np.asarray(np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * x)
 
 
 def across(z: Array, towards: Array) -> tuple[Array, Array]:

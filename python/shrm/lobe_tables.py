@@ -50,6 +50,8 @@ class ZonalTable:
         Smallest and largest theta_i of the smallest band that holds all but the tolerance.
     width : float
         Half the width in angle of the narrowest band that holds half.
+    integral : float
+        Of |u| over the lights, the mean over the sphere of views, of the largest channel.
     error : float
         Relative root mean square interpolation error over both spheres.
     """
@@ -57,7 +59,23 @@ class ZonalTable:
     values: npt.NDArray[np.float32]
     bands: Array
     width: float
+    integral: float
     error: float
+
+    def supports(self, nothing: float) -> Array:
+        """Return, (rows, 2), the smallest and the largest theta_i outside of which u is nothing.
+
+        That is, less than `nothing` of the largest value of all; where a row is nothing, (0, 0).
+        """
+        nodes = 2 * np.arcsin(np.arange(ZONAL_INTERVALS + 1) / ZONAL_INTERVALS)
+        size = np.abs(self.values[:, :, :-1]).max(axis=1)
+        there = size > nothing * size.max()
+        first, last = there.argmax(axis=1), len(nodes) - 1 - there[:, ::-1].argmax(axis=1)
+        # between the nodes beside them u goes to 0
+        bands = np.stack(
+            [nodes[np.maximum(first - 1, 0)], nodes[np.minimum(last + 1, len(nodes) - 1)]], axis=1
+        )
+        return np.asarray(np.where(there.any(axis=1)[:, None], bands, 0.0))
 
 
 def zonal_table(profile: Profile2D, tolerance: float) -> ZonalTable:
@@ -81,7 +99,10 @@ def zonal_table(profile: Profile2D, tolerance: float) -> ZonalTable:
     weight = (np.sin(go) * gs).ravel()[:, None]
     error = relative_rms(linear, exact, weight)
     values = np.ascontiguousarray(_padded(u.transpose(0, 2, 1), axis=2).astype(np.float32))
-    return ZonalTable(values, bands, float(np.min(half[:, 1] - half[:, 0]) / 2), error)
+    # sin(theta) d(theta) = 4 s ds
+    over_lights = 8 * np.pi * np.einsum("osc,s->oc", np.abs(u), s) / len(s)
+    integral = float(np.average(over_lights, axis=0, weights=np.sin(theta_o)).max())
+    return ZonalTable(values, bands, float(np.min(half[:, 1] - half[:, 0]) / 2), integral, error)
 
 
 def _smallest_band(s: Array, u: Array, left_out: float) -> tuple[float, float]:
@@ -158,6 +179,8 @@ class IsotropicTable:
         angle about it within which all but the tolerance of the lobe's integral lies (pi for tolerance 0).
     width : float
         Angle within which half of the integral lies, for a view at 45 degrees.
+    integral : float
+        Of |rho_hat| over the lights, the mean over views of cos^2(theta_v) uniform, of the largest channel.
     error : float
         Relative root mean square interpolation error of rho_hat over lights and views.
     """
@@ -166,6 +189,7 @@ class IsotropicTable:
     ratio: npt.NDArray[np.float32]
     caps: Array
     width: float
+    integral: float
     error: float
 
 
@@ -184,11 +208,11 @@ def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
         envelope=_padded(envelope, axis=0).astype(np.float32),
         ratio=np.ascontiguousarray(ratio.astype(np.float32)),
         caps=np.array(caps),
-        width=0.0,
+        width=_cap_at(transfer, np.sqrt(0.5), 0.5)[1],
+        integral=_mean_integral(transfer),
         error=0.0,
     )
-    width = _cap_at(transfer, np.sqrt(0.5), 0.5)[1]
-    return replace(table, width=width, error=_isotropic_error(table, transfer))
+    return replace(table, error=_isotropic_error(table, transfer))
 
 
 def view_place(cos_v: Array) -> Array:
@@ -289,6 +313,14 @@ def _cap_at(transfer: Transfer, cos_v: float, left_out: float) -> tuple[float, f
     held = np.cumsum(energy[order])
     k = min(int(np.searchsorted(held, (1 - left_out) * held[-1])), len(order) - 1)
     return centre, float(np.arccos(np.clip(cosine[order[k]], -1, 1)))
+
+
+def _mean_integral(transfer: Transfer) -> float:
+    of_views = []
+    for c2 in (np.arange(8) + 0.5) / 8:
+        wi, weight = light_quadrature(np.sqrt(c2))
+        of_views.append(weight @ np.abs(channels_last(transfer(wi, _view(np.sqrt(c2), len(wi))))))
+    return float(np.mean(of_views, axis=0).max())
 
 
 def _isotropic_error(table: IsotropicTable, transfer: Transfer) -> float:

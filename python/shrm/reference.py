@@ -22,7 +22,7 @@ from shrm.lobe_integrals import (
     LobeIntegral,
     RadialIntegral,
     above_horizon,
-    is_radial,
+    kind_of,
     lobe_integral,
     local_frames,
 )
@@ -103,12 +103,12 @@ def integrate(
         If an argument is not as described.
     """
     pixels = pixels_of(env)
-    n, v, t = _queries(brdf.lobes, normals, views, tangents)
+    n, v, t = queries(brdf.lobes, normals, views, tangents)
     nodes, power = _nodes(pixels, whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES))
     result = np.zeros((len(n), 3))
     for lobe in brdf.lobes:
         axes, seen_from = (t, v) if lobe.center == "tangent" else (n, v)
-        if lobe.center != "tangent" and not is_radial(lobe):
+        if kind_of(lobe) == "isotropic":
             axes, seen_from = above_horizon(lobe.center, n, v)
         for k, frame in enumerate(local_frames(axes, seen_from)):
             wo = np.tile(seen_from[k] @ frame, (_CHUNK, 1))
@@ -298,7 +298,7 @@ class AngularReflection:
         TypeError, ValueError
             If an argument is not as described.
         """
-        n, v, t = _queries(self._parts, normals, views, tangents)
+        n, v, t = queries(self._parts, normals, views, tangents)
         result = np.zeros((len(n), 3), dtype=np.float32)
         for part in self._parts:
             result += part.radiance(self._picture, n, v, t)
@@ -403,7 +403,7 @@ def pixels_of(env: Environment) -> npt.NDArray[np.float32]:
     return np.ascontiguousarray(pixels, dtype=np.float32)
 
 
-def _queries(
+def queries(
     lobes: Sequence[Any],
     normals: npt.ArrayLike,
     views: npt.ArrayLike,

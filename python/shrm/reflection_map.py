@@ -148,8 +148,10 @@ class Part:
             rings=self.rings, cube=self.layout == "cube", zonal=self.zonal, direction=view, pixels=pixels
         )
 
-    def looked_up(self, C: FloatArray, views: FloatArray) -> Float32Array:
-        """Return the radiance from cubic look-ups in the maps at central directions; (n, 3)."""
+    def looked_up(
+        self, C: FloatArray, views: FloatArray, interpolation: Interpolation = "cubic"
+    ) -> Float32Array:
+        """Return the radiance from look-ups in the maps at central directions; (n, 3)."""
         radiance = np.zeros(C.shape, dtype=np.float32)
         _core.add_radiance(
             rings=self.rings,
@@ -159,7 +161,7 @@ class Part:
             gamma=np.zeros(0),
             axes=C,
             views=views,
-            bilinear=False,
+            bilinear=interpolation == "bilinear",
             radiance=radiance,
         )
         return radiance

@@ -8,6 +8,7 @@ function of (wi, wo).
     lambert       about the normal
     phong         about the reflection
     microfacet    lafortune    ggx    beckmann    tabulated    about the lobe centre
+    miller_heidrich                                            about normal and reflection
     kajiya_kay    banks                                        about the tangent
     function      from a Python function, about any of them
     parse         materials from text, for the command line
@@ -24,6 +25,7 @@ from shrm.brdf.lafortune import Lafortune
 from shrm.brdf.lambert import Lambert
 from shrm.brdf.lobe import BRDF, Center, IsotropicLobe, Lobe, Material, RadialLobe, ZonalLobe
 from shrm.brdf.microfacet import Microfacet
+from shrm.brdf.miller_heidrich import MillerHeidrich
 from shrm.brdf.parse import parse
 from shrm.brdf.phong import Phong
 from shrm.brdf.tabulated import Tabulated
@@ -41,6 +43,7 @@ __all__ = [
     "Lobe",
     "Material",
     "Microfacet",
+    "MillerHeidrich",
     "Phong",
     "RadialLobe",
     "Tabulated",

@@ -10,7 +10,7 @@ Each lobe is integrated in polar coordinates about its own axis, with Gauss-Lege
 shrink geometrically towards the places where lobes peak and break at the places where they end:
 
     radial      about C: one integral over theta_i, panels halving towards 0 and pi/2
-    zonal       about T: one integral over theta_i, panels halving towards theta_o and pi - theta_o
+    zonal       about C: one integral over theta_i, panels halving towards 0, theta_o and pi - theta_o
     isotropic   about R: panels halve towards theta = 0; the range of phi at each theta is the
                 part above the horizon, known in closed form, with panels halving towards its ends
 
@@ -106,10 +106,10 @@ def _radial(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
 
 def _zonal(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
     assert isinstance(lobe, ZonalLobe)
-    theta_o = float(np.arccos(cos_theta_v))
+    theta_o = float(lobe.theta_o(np.arccos(np.array(cos_theta_v))))
     # A profile may be cut off at any angle: many even panels besides the graded ones.
     edges = [np.linspace(0.0, np.pi, 4097)]
-    for peak in (theta_o, np.pi - theta_o):
+    for peak in {theta_o, np.pi - theta_o, 0.0}:
         edges += [peak - _halving(0.0, np.pi), peak + _halving(0.0, np.pi)]
         edges.append(np.array([peak - np.pi / 2, peak + np.pi / 2]))
     breaks = np.unique(np.concatenate(edges))

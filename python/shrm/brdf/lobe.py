@@ -8,7 +8,7 @@ Directions wi (to the light) and wo = V (to the eye) are unit vectors in the fra
 z = normal. For lobes about the tangent the frame has z = T instead, and there is no normal.
 
     RadialLobe      rho_hat = profile(C.L)                 one dimension: Lambert, Phong
-    ZonalLobe       rho_hat = profile(theta_i, theta_o)    angles from T: Kajiya-Kay, Banks
+    ZonalLobe       rho_hat = profile(theta_i, theta_o)    angles from C: Kajiya-Kay, Banks
     IsotropicLobe   rho_hat = function(wi, wo)             everything else
 
 The central direction, with theta_v the angle between N and V [RH02 sec. 3.1]:
@@ -31,7 +31,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -42,6 +42,7 @@ from shrm.validation import RGB, number_or_rgb, one_of, unit_vectors
 FloatArray = npt.NDArray[np.float64]
 Center = Literal["lobe", "reflection", "normal", "tangent"]
 Frame = Literal["normal", "tangent"]
+Kind = Literal["radial", "zonal", "isotropic"]
 
 
 class Lobe(ABC):
@@ -51,9 +52,12 @@ class Lobe(ABC):
     ----------
     center : {"lobe", "reflection", "normal", "tangent"}
         The central direction C.
+    kind : {"radial", "zonal", "isotropic"}
+        What it depends on: theta_i alone, both angles from C, or the azimuth between them too.
     """
 
     center: Center
+    kind: ClassVar[Kind]
 
     @abstractmethod
     def transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
@@ -99,6 +103,7 @@ class RadialLobe(Lobe):
         cos(theta_i) = C.L, (n,) float64 in [-1, 1], to (n,) or (n, 3) float64.
     """
 
+    kind = "radial"
     center: Center
     profile: Callable[[FloatArray], FloatArray]
 
@@ -119,30 +124,43 @@ class RadialLobe(Lobe):
 
 @dataclass(frozen=True)
 class ZonalLobe(Lobe):
-    """A lobe about the tangent that depends on two angles only: rho_hat = profile(theta_i, theta_o).
+    """A lobe symmetric about C for every view: rho_hat = profile(theta_i, theta_o).
 
-    Without a normal there is neither a cosine nor a horizon; only q = 0 remains of its
-    coefficients [RH02 sec. 7.1, Kajiya-Kay].
+    Only q = 0 remains of its coefficients [RH02 sec. 7.1, footnote 7]. About the tangent, whose lobes have
+    no normal: Kajiya-Kay, Banks. About the reflection: the approximation of isotropic BRDFs in
+    J. Kautz, M. McCool, Approximation of Glossy Reflection with Prefiltered Environment Maps, Graphics
+    Interface 2000. No horizon cuts them.
 
     Parameters
     ----------
-    center : {"tangent"}
-        C = T.
+    center : {"reflection", "normal", "tangent"}
+        C.
     profile : callable
-        theta_i, theta_o, the angles of L and V from T, (n,) float64 in [0, pi], to (n,) or (n, 3)
-        float64.
+        theta_i, theta_o, the angles of L and V from C, (n,) float64 in [0, pi] (theta_o in [0, pi/2] about
+        the normal), to (n,) or (n, 3) float64.
     """
 
+    kind = "zonal"
     center: Center
     profile: Callable[[FloatArray, FloatArray], FloatArray]
 
     def __post_init__(self) -> None:
-        _require_center(self, "tangent")
+        _require_center(self, "reflection", "normal", "tangent")
 
     def transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
-        """Evaluate rho_hat; see `Lobe.transfer`."""
-        theta_i, theta_o = (np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2]) for w in (wi, wo))
-        return self.profile(theta_i, theta_o)
+        """Evaluate rho_hat; see `Lobe.transfer`. Views below the normal's horizon are brought back to it."""
+        theta_v = _colatitude(wo)
+        if self.center == "reflection":
+            R = np.stack([-wo[:, 0], -wo[:, 1], wo[:, 2]], axis=1)  # R = 2 (N.V) N - V
+            across, along = np.linalg.norm(np.cross(R, wi), axis=1), np.einsum("nc,nc->n", R, wi)
+            return self.profile(np.arctan2(across, along), self.theta_o(theta_v))
+        return self.profile(_colatitude(wi), self.theta_o(theta_v))
+
+    def theta_o(self, theta_v: FloatArray) -> FloatArray:
+        """Return the angles between C and V for those of V from the z axis of the frame, N or T."""
+        if self.center == "reflection":
+            return np.minimum(2.0 * theta_v, 2.0 * (np.pi - theta_v))
+        return np.minimum(theta_v, np.pi / 2) if self.center == "normal" else theta_v
 
     def scaled(self, factor: float | RGB) -> ZonalLobe:
         """Return the lobe times a number, or times one per channel."""
@@ -164,6 +182,7 @@ class IsotropicLobe(Lobe):
         wi, wo, (n, 3) float64, to (n,) or (n, 3) float64, zero where N.L <= 0.
     """
 
+    kind = "isotropic"
     center: Center
     function: Callable[[FloatArray, FloatArray], FloatArray]
 
@@ -352,7 +371,7 @@ def _recentred(material: BRDF, center: Center, merge: bool) -> BRDF:
         return Material(tuple(moved), material.name)
     if center == "tangent":
         raise ValueError(f"{material.name} cannot be merged about the tangent: its lobes have no normal")
-    if any(isinstance(lobe, RadialLobe) and lobe.center == "reflection" for lobe in material.lobes):
+    if any(_has_no_horizon(lobe) for lobe in material.lobes):
         raise ValueError(
             f"{material.name} cannot be merged: its lobe about the reflection has no horizon, "
             "and an isotropic lobe is zero below it"
@@ -365,6 +384,15 @@ def _recentred(material: BRDF, center: Center, merge: bool) -> BRDF:
 _kept_recentred = lru_cache(maxsize=64)(_recentred)
 
 _CENTER_TEXT = {"lobe": "lobe centre", "reflection": "reflection", "normal": "normal", "tangent": "tangent"}
+
+
+def _has_no_horizon(lobe: Lobe) -> bool:
+    return isinstance(lobe, ZonalLobe) or (isinstance(lobe, RadialLobe) and lobe.center == "reflection")
+
+
+def _colatitude(w: FloatArray) -> FloatArray:
+    """Angles (n,) of unit vectors (n, 3) from z, accurate near 0 and pi."""
+    return np.asarray(np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2]))
 
 
 def _require_center(lobe: Lobe, *centers: Center) -> None:

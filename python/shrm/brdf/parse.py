@@ -28,6 +28,7 @@ from shrm.brdf.lafortune import Lafortune
 from shrm.brdf.lambert import Lambert
 from shrm.brdf.lobe import BRDF
 from shrm.brdf.microfacet import Microfacet
+from shrm.brdf.miller_heidrich import MillerHeidrich
 from shrm.brdf.phong import Phong
 from shrm.validation import RGB
 
@@ -38,6 +39,7 @@ MODELS: Mapping[str, type[BRDF]] = {
     "ggx": GGX,
     "beckmann": Beckmann,
     "lafortune": Lafortune,
+    "miller-heidrich": MillerHeidrich,
     "kajiya-kay": KajiyaKay,
     "banks": Banks,
 }

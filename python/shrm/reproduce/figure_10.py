@@ -19,8 +19,8 @@ import numpy as np
 from shrm.brdf import BRDF, GGX, KajiyaKay
 from shrm.brdf.lobe import Center
 from shrm.environment import Environment
-from shrm.explicit import icosahedron
-from shrm.icosahedral import IcosahedralMaps, faces
+from shrm.icosahedral import faces, icosahedron
+from shrm.prefiltered import Cabral
 from shrm.prefiltering import prefilter
 from shrm.reference import AngularReflection, prefilter_angular
 from shrm.reproduce.comparison import (
@@ -139,7 +139,7 @@ def shrm(env: Environment, material: Material, center: Center, P: int, size: int
 
 def icosahedral(exact: AngularReflection, center: Center) -> Representation:
     """Integrate Cabral's twelve maps."""
-    maps = IcosahedralMaps.fitted([np.asarray(exact.at_view(view)) for view in icosahedron()], center)
+    maps = Cabral.fitted([np.asarray(exact.at_view(view)) for view in icosahedron()], center)
     return Representation("Cabral et al.", CENTERS[center], len(maps.maps), maps.nbytes, maps)
 
 

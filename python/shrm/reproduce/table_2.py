@@ -21,7 +21,8 @@ import numpy.typing as npt
 
 from shrm import brdf, orders
 from shrm.environment import Environment
-from shrm.explicit import icosahedron, three_dimensional_texture
+from shrm.explicit import three_dimensional_texture
+from shrm.icosahedral import icosahedron
 from shrm.prefiltering import prefilter
 from shrm.reference import integrate, prefilter_angular
 from shrm.reproduce import representations, single_thread

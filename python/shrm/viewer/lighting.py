@@ -17,8 +17,9 @@ import numpy as np
 from shrm import brdf
 from shrm.environment import Environment
 from shrm.explicit import without_azimuth
-from shrm.icosahedral import IcosahedralMaps
 from shrm.orders import ToleranceWarning, choose
+from shrm.prefiltered import Prefiltered as Layered
+from shrm.prefiltered import twelve_views
 from shrm.reflection_map import ReflectionMap
 from shrm.relighting import Prefilter
 from shrm.render.camera import FloatArray
@@ -28,12 +29,12 @@ from shrm.render.shapes import Shape, Sphere
 from shrm.viewer.state import Method, Rows, State, Up
 from shrm.viewer.worker import StaleError
 
-Drawn = ReflectionMap | IcosahedralMaps
+Drawn = ReflectionMap | Layered
 
 METHODS: Mapping[Method, Callable[[ReflectionMap], Drawn]] = {
     "shrm": lambda rm: rm,
     "kautz-mccool": without_azimuth,
-    "cabral": IcosahedralMaps.of,
+    "cabral": twelve_views,
 }
 
 DAYLIGHT = "daylight"
@@ -92,7 +93,7 @@ class Prefiltered:
         Spheres, or copies of the mesh, in a row.
     maps : tuple of ReflectionMap
         One for each material, of the turned light. Nothing writes to them any more.
-    drawn : tuple of ReflectionMap or IcosahedralMaps
+    drawn : tuple of ReflectionMap or shrm.prefiltered.Prefiltered
         What the method makes of them.
     seconds : float
         What the maps took, files not counted.

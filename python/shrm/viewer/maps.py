@@ -14,7 +14,8 @@ import moderngl
 import numpy as np
 
 from shrm.brdf.lobe import Center
-from shrm.icosahedral import IcosahedralMaps, weights
+from shrm.prefiltered import Cabral, Diffuse, KautzMcCool2D, Phong, PrefilteredMap
+from shrm.prefiltered.layers import Y00, largest_angle
 from shrm.reflection_map import Part
 from shrm.render.camera import FloatArray
 from shrm.rings import Float32Array
@@ -106,6 +107,10 @@ class Lobe(ABC):
         assert self._layered is not None
         return self._layered
 
+    def bind(self) -> None:
+        """Put what its shader looks up where it looks, but for the maps."""
+        self.gamma.use(1)
+
     @abstractmethod
     def _sum(self, view: FloatArray, pixels: Float32Array) -> None:
         """Put the map for a view into pixels (6, N, N, 3)."""
@@ -142,35 +147,70 @@ class LobeMaps(Lobe):
         return np.asarray(self._part.rings, np.float32)
 
 
-class IcosahedralLobe(Lobe):
-    """Cabral's twelve maps of a lobe, number `index` of the material's."""
+class LayeredLobe(Lobe):
+    """The layers of a prefiltered map."""
 
-    near = "icosahedral"
+    near = "layered"
 
-    def __init__(self, gl: moderngl.Context, index: int, size: int, material: IcosahedralMaps) -> None:
+    def __init__(self, gl: moderngl.Context, map: PrefilteredMap, size: int) -> None:
         super().__init__(gl, size)
-        self._index = index
-        self.renew(material)
+        self._factors: moderngl.Texture | None = None
+        self.renew(map)
 
-    def renew(self, material: IcosahedralMaps) -> None:
-        """Take other maps of the same shape."""
-        self._parts = [as_cube(rm.parts[self._index], self._size) for rm in material.maps]
-        self._clamp = material.clamp
-        self._take(self._parts[0])
-        self._of_views: Float32Array | None = None
+    def renew(self, map: PrefilteredMap) -> None:
+        """Take other layers of the same shape."""
+        self._map = map
+        self._layers = [as_cube(layer, self._size) for layer in map.layers]
+        factors = map.factors if isinstance(map, KautzMcCool2D) else np.ones((1, 1, 1))
+        kind = SHARES.get(type(map), SLICED)
+        self._take(
+            self._layers[0],
+            shares=kind,
+            layers=len(self._layers),
+            largest=largest_angle(map.center),
+            factors=3,
+        )
+        if self._factors is not None:
+            self._factors.release()
+        rgb = np.broadcast_to(factors, (*factors.shape[:2], 3)).astype(np.float32)
+        self._factors = self._gl.texture(rgb.shape[1::-1], 3, rgb.tobytes(), dtype="f4")
+        self._places: tuple[FloatArray, Float32Array] | None = None
+
+    def bind(self) -> None:
+        """Put what its shader looks up where it looks."""
+        super().bind()
+        assert self._factors is not None
+        self._factors.use(3)
 
     def _sum(self, view: FloatArray, pixels: Float32Array) -> None:
-        if self._of_views is None:
-            self._of_views = np.empty((len(self._parts), *pixels.shape), np.float32)
-            for part, of_view in zip(self._parts, self._of_views, strict=True):
-                part.sum_for_view(view, of_view)  # P = 0: the same for all views
-            if self._clamp:
-                np.maximum(self._of_views, 0.0, out=self._of_views)
-        pixels[:] = 0.0
-        (shares,) = weights(view)
-        for k in np.flatnonzero(shares):
-            pixels += np.float32(shares[k]) * self._of_views[k]
+        if self._places is None:
+            C = self._layers[0].directions().reshape(-1, 3)
+            constant = np.float32(Y00)
+            layers = np.stack([constant * layer.maps[0].reshape(-1, 3) for layer in self._layers])
+            self._places = C, np.ascontiguousarray(layers, np.float32)
+        C, layers = self._places
+        shares = self._map.shares(np.arccos(np.clip(C @ view[0], -1.0, 1.0)), view)
+        flat = pixels.reshape(-1, 3)
+        flat[:] = 0.0
+        for k, layer in enumerate(layers):
+            share = shares[:, k].reshape(len(shares), -1).astype(np.float32)
+            if len(share) < len(flat):  # the same for all
+                if share.any():
+                    flat += share * layer
+                continue
+            near = np.flatnonzero(share.any(axis=1))
+            flat[near] += share[near] * layer[near]
 
     def _rings(self) -> Float32Array:
-        constant = np.float32(1.0 / np.sqrt(4.0 * np.pi))  # Y_00
-        return constant * np.concatenate([part.rings for part in self._parts], axis=1)
+        return np.float32(Y00) * np.concatenate([layer.rings for layer in self._layers], axis=1)
+
+    def release(self) -> None:
+        """Free what it holds on the GPU."""
+        super().release()
+        if self._factors is not None:
+            self._factors.release()
+
+
+SLICED = 0
+SHARES: dict[type, int] = {Diffuse: 1, Phong: 1, KautzMcCool2D: 1, Cabral: 2}
+"""How layered_map.glsl finds shares."""

@@ -10,7 +10,6 @@ from pathlib import Path
 from slimgui import imgui
 
 from shrm import brdf
-from shrm.icosahedral import IcosahedralMaps
 from shrm.layouts import LAYOUTS
 from shrm.reflection_map import ReflectionMap
 from shrm.viewer.choices import (
@@ -266,8 +265,12 @@ class Panel:
             imgui.text_colored(GREY, "prefiltering ...\n ")
             return state
         drawn = facts.result.drawn[min(state.selected, len(facts.result.drawn) - 1)]
-        held = drawn.maps if isinstance(drawn, IcosahedralMaps) else (drawn,)
-        maps = sum(part.rings.shape[1] for rm in held for part in rm.parts)
+        held = (
+            drawn.parts
+            if isinstance(drawn, ReflectionMap)
+            else [p for one in drawn.lobes for p in one.layers]
+        )
+        maps = sum(part.rings.shape[1] for part in held)
         word = "map" if maps == 1 else "maps"
         whose = f"object {state.selected + 1}: " if len(state.materials) > 1 else ""
         imgui.text(f"{whose}F = {mine.F}, P = {mine.P}: {maps} {word}, 6 x {mine.size} x {mine.size}")

@@ -9,11 +9,10 @@ from typing import Any, Literal
 import moderngl
 import numpy as np
 
-from shrm.explicit import icosahedron
-from shrm.icosahedral import coordinates, faces
+from shrm.icosahedral import coordinates, faces, icosahedron
 
 Surface = Literal["mesh", "sphere"]
-Maps = Literal["dynamic", "factored", "icosahedral"]
+Maps = Literal["dynamic", "factored", "layered"]
 
 
 @lru_cache
@@ -24,12 +23,12 @@ def source(name: str) -> str:
 
 def object_program(gl: moderngl.Context, surface: Surface, maps: Maps) -> moderngl.Program:
     """Return the program that draws one lobe of an object."""
-    layered = () if maps == "dynamic" else ("bordered_maps.glsl",)
-    looked_up = ("central_direction.glsl", *layered, f"{maps}_map.glsl")
+    bordered = () if maps == "dynamic" else ("bordered_maps.glsl",)
+    looked_up = ("central_direction.glsl", *bordered, f"{maps}_map.glsl")
     parts = ("surface.glsl", f"{surface}.glsl", *looked_up, "object.frag")
     fragment = "\n".join(["#version 330 core", *map(source, parts)])
     program = gl.program(vertex_shader=source(f"{surface}.vert"), fragment_shader=fragment)
-    if maps == "icosahedral":
+    if maps == "layered":
         set_arrays(program, vertices=icosahedron(), faces=faces(), coordinates=coordinates())
     return program
 

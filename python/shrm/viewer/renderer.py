@@ -7,14 +7,13 @@ References
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import moderngl
 import numpy as np
 
 from shrm.environment import Environment
-from shrm.icosahedral import IcosahedralMaps
+from shrm.prefiltered import Prefiltered, PrefilteredMap
 from shrm.reflection_map import ReflectionMap
 from shrm.render.camera import FloatArray
 from shrm.render.picture import FloatPixels, Lighting, Object, Picture
@@ -22,7 +21,7 @@ from shrm.rings import BORDER
 from shrm.validation import whole_number
 from shrm.viewer.context import Context, ContextError, offscreen
 from shrm.viewer.geometry import Geometry, clip_from_world
-from shrm.viewer.maps import IcosahedralLobe, Lobe, LobeMaps
+from shrm.viewer.maps import LayeredLobe, Lobe, LobeMaps
 from shrm.viewer.programs import Maps, Surface, object_program, screen_program, set_uniforms
 from shrm.viewer.resources import Resources
 from shrm.viewer.scene import Scene
@@ -202,10 +201,12 @@ class Renderer:
     ) -> None:
         gl, get = self.gl, self.resources.get
         material = thing.material
-        if not isinstance(material, ReflectionMap | IcosahedralMaps):
+        if isinstance(material, PrefilteredMap):
+            material = Prefiltered((material,))
+        if not isinstance(material, ReflectionMap | Prefiltered):
             raise TypeError(
-                "a material must be a shrm.ReflectionMap or shrm.icosahedral.IcosahedralMaps to be drawn by "
-                f"the GPU, got {type(material).__name__}"
+                "a material must be a shrm.ReflectionMap or of shrm.prefiltered to be drawn by the GPU, got "
+                f"{type(material).__name__}"
             )
         lobes = self._lobes(index, material)
         shape = get(("shape", index), thing.shape, lambda shape: Geometry(gl, shape))
@@ -223,7 +224,7 @@ class Renderer:
             gamma=1,
             picture=2,
             border=BORDER,
-            clamped=material.clamp,
+            clamped=isinstance(material, ReflectionMap) and material.clamp,
             axis=tuple(map(float, thing.axis)),
         )
         # A sphere's pixels are those of the far side of its box.
@@ -231,7 +232,7 @@ class Renderer:
         gl.blend_func = moderngl.ONE, moderngl.ONE
         for k, lobe in enumerate(lobes):
             (lobe.dynamic(view) if eye["distant"] else lobe.layered()).use(0)
-            lobe.gamma.use(1)
+            lobe.bind()
             set_uniforms(program, **lobe.uniforms, first_lobe=k == 0)
             if k == 1:  # further lobes are added where the first one is seen
                 gl.enable(moderngl.BLEND)
@@ -242,19 +243,18 @@ class Renderer:
         gl.depth_func = "<"
         target.depth_mask = True
 
-    def _lobes(self, index: int, material: ReflectionMap | IcosahedralMaps) -> list[Lobe]:
+    def _lobes(self, index: int, material: ReflectionMap | Prefiltered) -> list[Lobe]:
         """The maps of an object's lobes on the GPU."""
         gl, size, get = self.gl, self.map_size, self.resources.get
         lobes: list[Lobe] = []
         if isinstance(material, ReflectionMap):
             for k, part in enumerate(material.parts):
-                key = ("lobe", index, k, part.rings.shape)
-                lobes.append(get(key, part, lambda part: LobeMaps(gl, part, size), LobeMaps.renew))
+                held = ("lobe", index, k, part.rings.shape)
+                lobes.append(get(held, part, lambda part: LobeMaps(gl, part, size), LobeMaps.renew))
         else:
-            for k, part in enumerate(material.maps[0].parts):
-                key = ("icosahedral", index, k, part.rings.shape)
-                make = partial(IcosahedralLobe, gl, k, size)
-                lobes.append(get(key, material, make, IcosahedralLobe.renew))
+            for k, one in enumerate(material.lobes):
+                key = ("layered", index, k, len(one.layers), one.layers[0].rings.shape)
+                lobes.append(get(key, one, lambda one: LayeredLobe(gl, one, size), LayeredLobe.renew))
         return lobes
 
     def _program(self, shape: Geometry, maps: Maps) -> moderngl.Program:

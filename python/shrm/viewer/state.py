@@ -49,7 +49,8 @@ class State:
         The orders themselves, in place of a tolerance.
     method : {"shrm", "kautz-mccool", "cabral"}
         All that the orders hold of the reflected light; the same without the azimuth of the view; or twelve
-        views of it and blends between them (`shrm.explicit.without_azimuth`, `shrm.icosahedral`).
+        views of it and blends between them (`shrm.explicit.without_azimuth`,
+        `shrm.prefiltered.twelve_views`).
     viewer : {"distant", "near"}
         One dynamic map per frame [RH02 eq. 12], or all maps summed in every pixel [RH02 eq. 6, 7].
     shown : {"maps", "integration", "difference"}

@@ -1,0 +1,180 @@
+"""One lobe ready for hierarchical prefiltering: its table, and where it must be looked for.
+
+The difference of a lobe between a node and its children says how far to descend [KVHS00 section 5.1], but for
+lobes so narrow that no sample meets them: near where most of a lobe lies nodes are split until they are small
+against it. The tables are those of direct integration.
+
+References
+----------
+[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
+    Maps. Eurographics Workshop on Rendering 2000.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core, lobe_tables
+from shrm.lobe_integrals import (
+    above_horizon,
+    across,
+    bisector,
+    central_directions,
+    for_all_views,
+    kind_of,
+    normals_of,
+    profile_arguments,
+)
+from shrm.radial_table import NOTHING, Profile, integral_within, radial_table
+from shrm.validation import one_of
+
+Array = npt.NDArray[np.float64]
+Radiance = npt.NDArray[np.float32]
+
+LEFT_OUT = 0.05
+"""Of a lobe's integral, at most: within the angle that holds the rest nodes are small, and see the lobe."""
+FINEST = 4.0
+"""How small at least, in angles that hold half of the lobe; smaller, as is LEFT_OUT, for lower thresholds."""
+FINEST_ZONAL = 8.0
+"""The same for half the width of a ring about C, which nodes see somewhere along it."""
+
+
+class LobeDescent(Protocol):
+    """A lobe that can be prefiltered by descent.
+
+    Attributes
+    ----------
+    center : {"lobe", "reflection", "normal", "tangent"}
+        Direction that its maps are indexed by.
+    depends_on_view : bool
+        Whether its maps differ from view to view.
+    """
+
+    center: str
+    depends_on_view: bool
+
+    def radiance(
+        self, pyramid: _core.Pyramid, n: Array, v: Array, t: Array, threshold: float
+    ) -> tuple[Radiance, float]:
+        """Reflected radiance (n, 3) for normals, views and tangents (n, 3), and evaluations for each."""
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        """Normals (n, 3) whose centres, seen from v, are `centers`; a tangent lobe has none to find."""
+
+
+def lobe_descent(lobe: Any) -> LobeDescent:
+    """Tabulate a lobe of any kind."""
+    kind = kind_of(lobe)
+    if kind == "radial":
+        return RadialDescent(lobe.center, lobe.profile)
+    if kind == "zonal":
+        return ZonalDescent(lobe.center, lobe.profile)
+    return IsotropicDescent(lobe.center, lobe.transfer)
+
+
+class RadialDescent:
+    """A lobe of fixed shape about R or N."""
+
+    depends_on_view = False
+
+    def __init__(self, center: str, profile: Profile) -> None:
+        self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
+        self._table = radial_table(profile, LEFT_OUT)
+        self._angle, self._within = integral_within(profile)
+
+    def radiance(
+        self, pyramid: _core.Pyramid, n: Array, v: Array, t: Array, threshold: float
+    ) -> tuple[Radiance, float]:
+        """Reflected radiance; see `LobeDescent`."""
+        left_out = min(LEFT_OUT, max(threshold, 1e-6))
+        return _core.hierarchical_radial(
+            pyramid=pyramid,
+            **profile_arguments(self._table),
+            outer=float(np.interp(1.0 - left_out, self._within, self._angle)),
+            **_depth(threshold, self._table.integral, FINEST * self._table.width),
+            centres=central_directions(self.center, n, v, t),
+        )
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        """Normals of centres; see `LobeDescent`."""
+        return centers if self.center == "normal" else bisector(centers, v)
+
+
+class ZonalDescent:
+    """A lobe that depends on two angles from its centre."""
+
+    depends_on_view = True
+
+    def __init__(self, center: str, profile: Callable[[Array, Array], Array]) -> None:
+        self.center = one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
+        table = lobe_tables.zonal_table(for_all_views(center, profile), LEFT_OUT)
+        self._width, self._integral = table.width, table.integral
+        self._table: dict[str, Any] = {
+            "profiles": table.values,
+            "bands": table.bands,
+            "supports": table.supports(NOTHING),
+        }
+
+    def radiance(
+        self, pyramid: _core.Pyramid, n: Array, v: Array, t: Array, threshold: float
+    ) -> tuple[Radiance, float]:
+        """Reflected radiance; see `LobeDescent`."""
+        axes = central_directions(self.center, n, v, t)
+        return _core.hierarchical_zonal(
+            pyramid=pyramid,
+            **self._table,
+            **_depth(threshold, self._integral, FINEST_ZONAL * self._width),
+            axes=axes,
+            theta_o=across(axes, v)[1],
+        )
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        """Normals of centres; see `LobeDescent`."""
+        return bisector(centers, v) if self.center == "reflection" else centers
+
+
+class IsotropicDescent:
+    """Any other lobe, cut at the horizon of N."""
+
+    depends_on_view = True
+
+    def __init__(self, center: str, transfer: Callable[[Array, Array], Array]) -> None:
+        self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+        table = lobe_tables.isotropic_table(transfer, LEFT_OUT)
+        self._width, self._integral = table.width, table.integral
+        self._table: dict[str, Any] = {
+            "envelope": table.envelope,
+            "ratio": table.ratio,
+            "caps": table.caps,
+        }
+        self._transfer = transfer
+
+    def radiance(
+        self, pyramid: _core.Pyramid, n: Array, v: Array, t: Array, threshold: float
+    ) -> tuple[Radiance, float]:
+        """Reflected radiance; see `LobeDescent`."""
+        n, v = above_horizon(self.center, n, v)
+        return _core.hierarchical_isotropic(
+            pyramid=pyramid,
+            **self._table,
+            **_depth(threshold, self._integral, FINEST * self._width),
+            normals=n,
+            views=v,
+        )
+
+    def normals(self, centers: Array, v: Array) -> Array:
+        """Normals of centres; see `LobeDescent`."""
+        return normals_of(self.center, self._transfer, centers, v)
+
+
+def _depth(threshold: float, integral: float, finest: float) -> dict[str, Any]:
+    """How far to descend, as the core takes it."""
+    return {
+        "threshold": threshold,
+        "integral": integral,
+        "finest": finest * min(1.0, float(np.sqrt(threshold / LEFT_OUT))),
+    }

@@ -1,0 +1,128 @@
+"""The layers of prefiltered maps: how they are integrated, and their grid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.brdf import BRDF, Material
+from shrm.brdf.lobe import Center, Lobe
+from shrm.central_direction import gamma_table
+from shrm.cost import ANGULAR_SHARE
+from shrm.environment import Environment
+from shrm.hierarchical import prefilter_hierarchical
+from shrm.lobe_integrals import across, bisector
+from shrm.prefiltering import prefilter as prefilter_in_frequency
+from shrm.reference import DEFAULT_SIZE, prefilter_angular
+from shrm.reflection_map import Part
+from shrm.rings import BORDER, Float32Array, Layout
+from shrm.validation import fraction, one_of, whole_number
+
+FloatArray = npt.NDArray[np.float64]
+Integrator = Literal["frequency", "angular", "hierarchical"]
+
+P_MAX = 16
+"""Largest order of the view in frequency space."""
+
+
+class Reflects(Protocol):
+    """What integrators return."""
+
+    def radiance(self, normals: Any, views: Any, tangents: Any = None) -> Float32Array:
+        """Reflected radiance (n, 3)."""
+
+
+Y00 = 1.0 / np.sqrt(4.0 * np.pi)
+"""What a map of P = 0 is multiplied by when it is looked up."""
+
+
+@dataclass(frozen=True, eq=False)
+class Layers:
+    """How maps are integrated, and their grid."""
+
+    env: Environment
+    integrator: Integrator
+    error: float
+    size: int
+    layout: Layout
+
+    @classmethod
+    def checked(
+        cls,
+        env: Environment,
+        brdf: BRDF,
+        integrator: Integrator = "hierarchical",
+        error: float = 0.01,
+        size: int | None = None,
+        layout: Layout = "latlong",
+    ) -> Layers:
+        """At the door of every `prefilter`."""
+        if not isinstance(env, Environment):
+            raise TypeError(f"env must be an Environment, got {type(env).__name__}")
+        if not isinstance(brdf, BRDF):
+            raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
+        one_of("integrator", integrator, get_args(Integrator))
+        one_of("layout", layout, get_args(Layout))
+        if fraction("error", error) == 0:
+            raise ValueError(f"error must be above 0 and below 1, got {error!r}")
+        edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 2, 8192)
+        return cls(env, integrator, error, edge, layout)
+
+    def integrated(self, one: Material) -> Reflects:
+        """What reflects the environment under a material."""
+        if self.integrator == "frequency":
+            return prefilter_in_frequency(self.env, one, tolerance=self.error, P_max=P_MAX)
+        if self.integrator == "angular":
+            return prefilter_angular(self.env, one, tolerance=ANGULAR_SHARE * self.error)
+        return prefilter_hierarchical(self.env, one, error=self.error, size=self.size, layout=self.layout)
+
+    def layer(
+        self, center: Center, radiance: Callable[[FloatArray], Float32Array], gamma: FloatArray
+    ) -> Part:
+        """A map over C of radiance(C), borders of faces included."""
+        border = 2 * BORDER if self.layout == "cube" else 0
+        rows = 6 * (self.size + border) if self.layout == "cube" else self.size
+        columns = self.size + border if self.layout == "cube" else 2 * self.size
+        rings = np.zeros((rows, 1, 3, columns), np.float32)
+        empty = Part(center, gamma, False, self.layout, np.zeros((0, 3)), np.zeros((0, 1, 1, 3)), rings)
+        C = empty.ring_directions()
+        found = radiance(np.ascontiguousarray(C.reshape(-1, 3))).reshape(C.shape)
+        rings[:, 0] = found.transpose(0, 2, 1) / np.float32(Y00)
+        return empty
+
+
+def radial_layers(materials: Sequence[Material], how: Layers) -> tuple[Part, ...]:
+    """One layer for each material of one radial lobe."""
+    layers = []
+    for one in materials:
+        center = one.lobes[0].center
+        reflection = how.integrated(one)
+        # For N = V = C, both R and N are C.
+        layers.append(how.layer(center, lambda C, of=reflection: of.radiance(C, C), gamma_table(center)))  # type: ignore[misc]
+    return tuple(layers)
+
+
+def sliced_layers(lobe: Lobe, name: str, how: Layers, slices: int) -> tuple[Part, ...]:
+    """Layers of a zonal lobe at equal steps of the angle between C and V."""
+    K = whole_number("slices", slices, 2, 1024)
+    reflection = how.integrated(Material((lobe,), name))
+
+    def at(theta_o: float) -> Callable[[FloatArray], Float32Array]:
+        def radiance(C: FloatArray) -> Float32Array:
+            aside, _ = across(C, C)
+            V = np.cos(theta_o) * C + np.sin(theta_o) * aside
+            return reflection.radiance(bisector(C, V) if lobe.center == "reflection" else C, V, C)
+
+        return radiance
+
+    angles = np.linspace(0.0, largest_angle(lobe.center), K)
+    return tuple(how.layer(lobe.center, at(float(angle)), gamma_table(lobe.center)) for angle in angles)
+
+
+def largest_angle(center: Center) -> float:
+    """The largest angle between C and V."""
+    return np.pi / 2 if center == "normal" else np.pi
