@@ -62,9 +62,9 @@ def principal_tangents(vertices: FloatArray, faces: IntArray, normals: FloatArra
     them. Four more steps average them with equal weights: where the other curvature becomes the larger
     one, at k1 = -k2, lines turn within some edges instead of jumping.
 
-    Where, after the eight steps, the weight is less than 3 % of the larger curvature, or so small that normals
-    an edge apart turn by less than 1e-4, no direction is the principal one (spheres, planes, umbilics):
-    there the lines turn, continuously as the weight goes to zero, to those around the vertical.
+    Where, after the eight steps, the weight is less than 3 % of the larger curvature, or so small that
+    normals an edge apart turn by less than 1e-4, no direction is the principal one (spheres, planes,
+    umbilics): there the lines turn, continuously as the weight goes to zero, to those around the vertical.
 
     Parameters
     ----------
