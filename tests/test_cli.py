@@ -174,6 +174,22 @@ def test_render_draws_a_mesh_with_a_texture(shrm: Command, sky: Path, tmp_path: 
     assert abs(lower_left) < 0.03 * upper_left
 
 
+@pytest.mark.parametrize("gpu", [[], ["--gpu"]], ids=["cpu", "gpu"])
+def test_render_takes_tangents(shrm: Command, sky: Path, tmp_path: Path, gpu: list[str]) -> None:
+    mesh = tmp_path / "square.obj"
+    corners = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 1\nvt 0 2\nvt -1 1\n"
+    mesh.write_text(corners + "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n")  # u runs aslant
+    pictures = {}
+    for tangents in ("axis", "uv", "principal"):
+        path = tmp_path / f"{tangents}.exr"
+        arguments = ("--env", sky, "--brdf", "banks:0.5", "--mesh", mesh, "--tangents", tangents, *gpu)
+        assert shrm("render", *arguments, "--size", "40x40", "-o", path)[0] == 0
+        pictures[tangents] = read_image(path).pixels
+    brightest = pictures["axis"].max()
+    np.testing.assert_allclose(pictures["principal"], pictures["axis"], atol=1e-5 * brightest)  # it is flat
+    assert np.abs(pictures["uv"] - pictures["axis"]).max() > 0.01 * brightest
+
+
 def test_a_real_map_end_to_end(shrm: Command, tmp_path: Path) -> None:
     source = DATA / "env" / "debevec_grace_cross.hdr"
     if not source.exists():

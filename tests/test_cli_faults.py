@@ -139,6 +139,7 @@ def test_texels_that_are_not_finite(shrm: Command, tmp_path: Path) -> None:
         ("render", "--env", "SKY", "--brdf", "lambert:1", "--fov", "180", "-o", "OUT.png"),
         ("render", "--env", "SKY", "--brdf", "lambert:1", "--view", "0,91", "-o", "OUT.png"),
         ("render", "--env", "SKY", "--brdf", "lambert:1", "--exposure", "inf", "-o", "OUT.png"),
+        ("render", "--env", "SKY", "--brdf", "banks:0.5", "--tangents", "along", "-o", "OUT.png"),
         ("render", "--env", "SKY", "--brdf", "lambert:1", "--near", "--distant", "-o", "OUT.png"),
     ],
 )
@@ -197,6 +198,16 @@ def test_files_that_cannot_be_written_or_read(
     assert status == 1
     assert "out" in one_line(err)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_mesh_without_the_uv_that_tangents_need(shrm: Command, sky: Path, tmp_path: Path) -> None:
+    mesh = tmp_path / "bare.obj"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    arguments = ("--env", sky, "--brdf", "banks:0.5", "--mesh", mesh, "--tangents", "uv")
+    status, _, err = shrm("render", *arguments, "-o", tmp_path / "out.png")
+    assert status == 1
+    assert f"{mesh}: no texture coordinates: take axis or principal tangents" in one_line(err)
+    assert list(tmp_path.iterdir()) == [mesh]
 
 
 def test_a_file_that_was_there_survives_a_failure(shrm: Command, sky: Path, tmp_path: Path) -> None:

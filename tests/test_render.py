@@ -211,6 +211,8 @@ def test_broken_mesh_files_are_named(tmp_path: Path, content: bytes) -> None:
         {"faces": np.zeros((0, 3), np.int64)},
         {"normals": np.zeros((2, 3))},
         {"uv": np.zeros((3, 3))},
+        {"tangents": np.zeros((3, 3))},
+        {"tangents": np.full((1, 3, 3), np.inf)},
     ],
 )
 def test_meshes_are_checked_at_the_door(arguments: dict[str, npt.NDArray[np.float64]]) -> None:

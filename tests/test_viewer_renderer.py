@@ -197,6 +197,19 @@ def test_meshes_are_those_of_the_cpu(renderer, glossy):
         assert compared(renderer, Scene([Object(torus(), glossy)], CAMERA, None, viewer)) < 5e-3
 
 
+@pytest.mark.parametrize("viewer", ["near", "distant"])
+@pytest.mark.parametrize("tangents", ["uv", "principal"])
+@pytest.mark.parametrize("material", [brdf.Banks(0.6), brdf.KajiyaKay(8)], ids=lambda material: material.name)
+def test_meshes_with_tangent_fields_are_those_of_the_cpu(renderer, material, tangents, viewer):
+    rm = prefilter(light("daylight"), material, orders=(12, 4), size=64, layout="cube")
+    plain = torus()
+    aslant = plain.vertices @ np.array([[1.0, 0.3], [0.2, 1.0], [0.7, -0.4]])
+    field = torus(uv=aslant).with_tangents(tangents)
+    assert compared(renderer, Scene([Object(field, rm)], CAMERA, None, viewer)) < LARGEST[viewer]
+    pictures = [renderer.render(Scene([Object(mesh, rm)], CAMERA)).radiance for mesh in (field, plain)]
+    assert oracles.relative_rms(*pictures) > 0.05
+
+
 def test_a_mesh_of_spoilt_faces_is_drawn(renderer, glossy):
     whole = torus()
     spoilt = np.concatenate([whole.faces, [[0, 0, 1], [5, 5, 5], [2, 3, 2]]])
@@ -204,6 +217,9 @@ def test_a_mesh_of_spoilt_faces_is_drawn(renderer, glossy):
     scene = Scene([Object(Mesh(unused, spoilt), glossy)], CAMERA)
     assert compared(renderer, scene) < 5e-3
     assert np.isfinite(renderer.render(scene).radiance).all()
+    hair = prefilter(light("daylight"), brdf.KajiyaKay(8), orders=(12, 4), size=64, layout="cube")
+    field = Mesh(unused, spoilt).with_tangents("principal")
+    assert compared(renderer, Scene([Object(field, hair)], CAMERA)) < 5e-3
 
 
 def test_a_million_triangles_are_drawn(renderer, glossy):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from shrm import brdf
 from shrm.cli import parser, view
+from shrm.render import Tangents
 from shrm.viewer.materials import KINDS, kind_of, value_of, with_value
 from shrm.viewer.orbit import Orbit
 from shrm.viewer.state import Method, State
@@ -23,6 +24,7 @@ def unlike_the_default() -> State:
         materials=("lambert:0.5", "0.5*lambert:0.8 + ggx:0.2"),
         mesh="bunny.ply",
         up="z",
+        tangents="principal",
         tolerance=0.03,
         orders=(12, 2),
         method="cabral",
@@ -57,6 +59,8 @@ def test_a_saved_state_is_read_as_it_was(tmp_path: Path) -> None:
         {"eye": {"target": [1e308, 0.0, 0.0]}},
         {"eye": {"fov": 1e-300}},
         {"viewer": "sideways"},
+        {"tangents": "along"},
+        {"tangents": None},
         {"shown": 3},
         {"tolerance": 2.0},
         {"orders": [3]},
@@ -133,18 +137,21 @@ def test_the_command_line_says_otherwise_than_a_saved_window(tmp_path: Path) -> 
     assert (changed.selected, changed.eye, changed.orders, changed.tolerance) == (0, None, None, 0.2)
     assert (changed.exposure, changed.automatic, changed.viewer) == (1.0, False, "distant")
     assert changed.light == unlike_the_default().light
-    assert begun("sky.hdr", "--mesh", "a.ply", "--up", "z", "--no-background", "--orders", "9,2") == State(
+    given = ("--mesh", "a.ply", "--up", "z", "--tangents", "uv", "--no-background", "--orders", "9,2")
+    assert begun("sky.hdr", *given) == State(
         environment=str(Path("sky.hdr").absolute()),
         mesh=str(Path("a.ply").absolute()),
         up="z",
+        tangents="uv",
         background=False,
         orders=(9, 2),
     )
 
 
-def test_the_command_knows_the_methods() -> None:
-    """Its own list spares --help the core."""
+def test_the_command_knows_the_methods_and_tangents() -> None:
+    """Its own lists spare --help the core."""
     command = argparse.ArgumentParser()
     view.add_arguments(command)
-    (method,) = (action for action in command._actions if action.dest == "method")
-    assert method.choices == get_args(Method)
+    choices = {action.dest: action.choices for action in command._actions}
+    assert choices["method"] == get_args(Method)
+    assert choices["tangents"] == get_args(Tangents)

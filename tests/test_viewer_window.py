@@ -157,6 +157,41 @@ def test_pictures_and_meshes_are_dropped(opened: Opened, tmp_path: Path) -> None
     assert same(hands.look(), lit)
 
 
+def test_tangents_are_chosen_where_a_material_has_a_lobe_about_them(opened: Opened, tmp_path: Path) -> None:
+    hands = opened(WHOLE_PANEL, materials=("banks:0.5",))
+    app = hands.app
+    assert "tangents" in app.panel.places  # though a sphere has no choice of them
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    (tmp_path / "bare.obj").write_text(corners + "f 1 2 3\n")
+    (tmp_path / "aslant.obj").write_text(corners + "vt 0 0\nvt 1 1\nvt -1 1\nf 1/1 2/2 3/3\n")
+    app.on_drop([str(tmp_path / "aslant.obj")])
+    hands.settle()
+    before, eye = hands.look(), app.state.eye
+
+    def choose(line: int) -> None:
+        hands.click("tangents")  # its list opens
+        left, top, _, bottom = app.panel.places["tangents"]
+        place = left + 20.0, bottom + 10.0 + 0.8 * (line - 0.5) * (bottom - top)
+        hands.drag(glfw.MOUSE_BUTTON_LEFT, place)
+        hands.settle()
+
+    choose(2)
+    assert (app.state.tangents, app.fault) == ("uv", "")
+    along_u = hands.look()
+    assert not same(along_u, before)
+    assert app.state.eye == eye
+    app.on_drop([str(tmp_path / "bare.obj")])
+    hands.settle()
+    assert "bare.obj: no texture coordinates" in app.fault
+    assert same(hands.look(), along_u)
+    assert app.state.mesh == str(tmp_path / "aslant.obj")
+    choose(1)
+    assert (app.state.tangents, app.fault) == ("axis", "")
+    app.state = app.state.with_material(0, "ggx:0.4")
+    hands.settle()
+    assert "tangents" not in app.panel.places
+
+
 def test_a_refused_picture_is_repaired_or_given_its_layout(opened: Opened, tmp_path: Path) -> None:
     hands = opened(WHOLE_PANEL)
     app, before = hands.app, hands.look()

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from shrm import Environment, Prefilter, brdf
+from shrm.render import Mesh
 from shrm.viewer.lighting import Lighting, Prefiltered, Request
 from shrm.viewer.state import State
 from shrm.viewer.worker import StaleError, Worker
@@ -137,6 +138,25 @@ def test_other_objects_keep_their_maps_and_errors_come_second(sky: Path) -> None
     assert again.maps == second.maps
     other = last(lighting(asked(sky, materials=("lambert:0.5", "phong:9")), never))
     assert [a is b for a, b in zip(other.maps, second.maps, strict=True)] == [True, False]
+
+
+def test_tangents_are_those_of_the_mesh_where_a_material_depends_on_them(sky: Path, tmp_path: Path) -> None:
+    mesh, bare = tmp_path / "ridge.obj", tmp_path / "bare.obj"
+    corners = "v 0 0 0\nv 2 0 0\nv 0 0 1\nv 2 1 1\n"
+    bare.write_text(corners + "f 1 2 3\nf 2 4 3\n")
+    mesh.write_text(corners + "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\nf 1/1 2/2 3/3\nf 2/2 4/4 3/3\n")
+    lighting, metal = Lighting(), ("ggx:0.4", "0.5*lambert:0.5 + banks:0.5")
+    for tangents in ("uv", "principal"):
+        answer = last(lighting(asked(sky, mesh=str(mesh), tangents=tangents, materials=metal), never))
+        expected = Mesh.read(mesh).with_tangents(tangents).tangents
+        for shape in answer.shapes:
+            assert isinstance(shape, Mesh)
+            np.testing.assert_array_equal(shape.tangents, expected)
+    plain = last(lighting(asked(sky, mesh=str(mesh), tangents="axis", materials=metal), never))
+    isotropic = last(lighting(asked(sky, mesh=str(bare), tangents="uv"), never))
+    assert [getattr(shape, "tangents", 0) for shape in (*plain.shapes, *isotropic.shapes)] == [None] * 3
+    with pytest.raises(ValueError, match=r"bare\.obj: no texture coordinates"):
+        next(lighting(asked(sky, mesh=str(bare), tangents="uv", materials=("banks:0.5",)), never))
 
 
 def test_prefiltering_stops_when_it_is_stale(sky: Path) -> None:

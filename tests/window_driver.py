@@ -20,7 +20,7 @@ pytest.importorskip("slimgui")
 GL = pytest.importorskip("OpenGL.GL")
 
 from shrm.viewer.app import Application  # noqa: E402
-from shrm.viewer.panel import WIDTH  # noqa: E402
+from shrm.viewer.widgets import WIDTH  # noqa: E402
 
 SCREENSHOTS = Path(__file__).parents[1] / "build" / "screenshots"
 

@@ -75,6 +75,25 @@ def add_orders(command: argparse.ArgumentParser, default: float = 0.05) -> None:
     either.add_argument("--orders", type=orders, metavar="F,P", help="the orders themselves, such as 30,4")
 
 
+TANGENTS = {
+    "axis": "around the vertical",
+    "uv": "along u of the mesh's texture coordinates",
+    "principal": "along its larger curvature",
+}
+
+
+def add_tangents(command: argparse.ArgumentParser, default: str | None) -> None:
+    """Add --tangents."""
+    command.add_argument(
+        "--tangents",
+        choices=tuple(TANGENTS),
+        default=default,
+        help="how tangents run on a mesh, for banks and kajiya-kay: "
+        + ", ".join(f"{name}: {what}" for name, what in TANGENTS.items())
+        + " (default axis)",
+    )
+
+
 VIEWERS = {
     "near": "each pixel has its own view vector",
     "distant": "one view vector for the whole picture",

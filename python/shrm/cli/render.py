@@ -18,6 +18,7 @@ from shrm.cli.options import (
     add_environment,
     add_orders,
     add_output,
+    add_tangents,
     add_viewer,
     degrees,
     extent,
@@ -64,6 +65,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--turn", type=number, default=0.0, metavar="DEG", help="turn the mesh about the vertical")
     add("--up", choices=("y", "z"), default="y", help="the mesh file's upward axis (default y)")
+    add_tangents(command, default="axis")
     add("--texture", metavar="FILE", help="picture that multiplies the reflected light, by the mesh's UV")
     add("--size", type=extent, metavar="WxH", help="pixels (default: 384 rows, as wide as it needs)")
     add(
@@ -139,7 +141,9 @@ class Stage:
 
         self.options = options
         self.env = read_environment(options)
-        mesh = None if options.mesh is None else Mesh.read(options.mesh, up=options.up)
+        mesh = None
+        if options.mesh is not None:
+            mesh = Mesh.read(options.mesh, up=options.up).with_tangents(options.tangents)
         self.texture = None if options.texture is None else image_io.read_image(options.texture).pixels
         extent: tuple[int, int] = options.size or row_picture(len(row), diameter=320)
         self.width, self.height = extent

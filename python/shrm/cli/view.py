@@ -9,7 +9,15 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from shrm.cli.options import add_environment, add_orders, add_viewer, extent, number, parse_brdf
+from shrm.cli.options import (
+    add_environment,
+    add_orders,
+    add_tangents,
+    add_viewer,
+    extent,
+    number,
+    parse_brdf,
+)
 
 if TYPE_CHECKING:
     from shrm.viewer.state import State
@@ -30,6 +38,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--up", choices=("y", "z"), help="the mesh file's upward axis (default y)")
+    add_tangents(command, default=None)
     add_orders(command, default=0.06)
     add_viewer(command, default="distant")
     command.set_defaults(tolerance=None, viewer=None)  # what is not given is as in --state
@@ -81,6 +90,7 @@ def state(options: argparse.Namespace) -> State:
         "materials": None if options.materials is None else tuple(options.materials),
         "mesh": None if options.mesh is None else absolute(options.mesh),
         "up": options.up,
+        "tangents": options.tangents,
         "tolerance": options.tolerance,
         "orders": options.orders,
         "method": options.method,

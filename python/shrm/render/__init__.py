@@ -1,15 +1,17 @@
 """Pictures without a GPU: spheres and meshes whose materials are prefiltered.
 
-camera -> shapes, mesh -> lookup -> tonemap -> picture -> row, turntable, output
+camera -> line_field, tangents -> shapes, mesh -> lookup -> tonemap -> picture -> row, turntable, output
 """
 
 from shrm.render.camera import Camera
+from shrm.render.line_field import tangents_around
 from shrm.render.lookup import environment_lookup, texture_lookup
 from shrm.render.mesh import Mesh
 from shrm.render.output import write_picture
-from shrm.render.picture import Object, Picture, Reflection, render, tangents_around
+from shrm.render.picture import Object, Picture, Reflection, render
 from shrm.render.row import row_camera, row_picture
 from shrm.render.shapes import Hits, Shape, Sphere
+from shrm.render.tangents import Tangents, principal_tangents, uv_tangents
 from shrm.render.tonemap import automatic_exposure, display, srgb
 from shrm.render.turntable import about_vertical, numbered, turned_camera
 
@@ -22,11 +24,13 @@ __all__ = [
     "Reflection",
     "Shape",
     "Sphere",
+    "Tangents",
     "about_vertical",
     "automatic_exposure",
     "display",
     "environment_lookup",
     "numbered",
+    "principal_tangents",
     "render",
     "row_camera",
     "row_picture",
@@ -34,5 +38,6 @@ __all__ = [
     "tangents_around",
     "texture_lookup",
     "turned_camera",
+    "uv_tangents",
     "write_picture",
 ]

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm.render.camera import FloatArray, Vector
+from shrm.render.line_field import orthogonalised, unit
 from shrm.render.shapes import Hits
+from shrm.render.tangents import Tangents, principal_tangents, uv_tangents
+from shrm.validation import one_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +31,11 @@ class Mesh:
         by area, summed over all vertices at one place, so that texture seams do not show.
     uv : (n, 2) float64, optional
         Texture coordinates of the vertices, v upwards; zero without them.
+    tangents : (k, 3, 3) float64, optional
+        Unit tangents at the corners of the faces, see `with_tangents`; without them they run around the
+        object's axis. Their signs mean nothing, but agree within a face.
+    name : str
+        What errors call it: its file.
 
     Raises
     ------
@@ -39,6 +47,8 @@ class Mesh:
     faces: npt.NDArray[np.int64]
     normals: FloatArray | None = None
     uv: FloatArray | None = None
+    tangents: FloatArray | None = None
+    name: str = "the mesh"
 
     def __post_init__(self) -> None:
         _require("vertices", self.vertices, (None, 3))
@@ -50,6 +60,8 @@ class Mesh:
             _require("normals", self.normals, (len(self.vertices), 3))
         if self.uv is not None:
             _require("uv", self.uv, (len(self.vertices), 2))
+        if self.tangents is not None:
+            _require("tangents", self.tangents, (len(self.faces), 3, 3))
 
     @classmethod
     def read(cls, path: str | Path, up: Literal["y", "z"] = "y") -> Mesh:
@@ -76,7 +88,8 @@ class Mesh:
         try:
             vertices, faces, normals, uv = _gather(path)
             axes = np.array([[0, 0, -1], [-1, 0, 0], [0, 1, 0]]) if up == "y" else np.eye(3)
-            return cls(vertices @ axes.T, faces, None if normals is None else normals @ axes.T, uv)
+            normals = None if normals is None else normals @ axes.T
+            return cls(vertices @ axes.T, faces, normals, uv, name=str(path))
         except Exception as fault:  # trimesh's loaders raise whatever a broken file makes them raise
             raise ValueError(f"{path}: not a mesh that can be read ({_one_line(fault)})") from None
 
@@ -96,14 +109,43 @@ class Mesh:
         turned = self.vertices @ rotation.T
         low, high = turned.min(axis=0), turned.max(axis=0)
         scale = 2.0 * radius / (float((high - low).max()) or 1.0)
-        normals = None if self.normals is None else self.normals @ rotation.T
-        return Mesh(np.asarray(center) + (turned - 0.5 * (low + high)) * scale, self.faces, normals, self.uv)
+        return replace(
+            self,
+            vertices=np.asarray(center) + (turned - 0.5 * (low + high)) * scale,
+            normals=None if self.normals is None else self.normals @ rotation.T,
+            tangents=None if self.tangents is None else self.tangents @ rotation.T,
+        )
+
+    def with_tangents(self, field: Tangents) -> Mesh:
+        """Return the mesh with a tangent field, for materials about the tangent such as `shrm.brdf.Banks`.
+
+        Parameters
+        ----------
+        field : {"axis", "uv", "principal"}
+            Around the object's axis; along dP/du of the texture coordinates
+            (`shrm.render.tangents.uv_tangents`); or along the direction of the larger |curvature|
+            (`shrm.render.tangents.principal_tangents`). Where the last two are not defined, tangents run
+            around the vertical.
+
+        Raises
+        ------
+        ValueError
+            If the field is another word, or "uv" and the mesh has no texture coordinates.
+        """
+        one_of("tangents", field, get_args(Tangents))
+        if field == "axis":
+            return replace(self, tangents=None)
+        if field == "principal":
+            return replace(self, tangents=principal_tangents(self.vertices, self.faces, self.vertex_normals))
+        if self.uv is None:
+            raise ValueError(f"{self.name}: no texture coordinates: take axis or principal tangents")
+        return replace(self, tangents=uv_tangents(self.vertices, self.faces, self.vertex_normals, self.uv))
 
     @cached_property
     def vertex_normals(self) -> FloatArray:
         """The given normals or the computed ones, (n, 3) float64; zero where nothing defines one."""
         if self.normals is not None:
-            return _unit(self.normals)
+            return unit(self.normals)
         _, place = np.unique(self.vertices, axis=0, return_inverse=True)
         place = place.reshape(-1)
         a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
@@ -111,7 +153,7 @@ class Mesh:
         sums = np.zeros((place.max() + 1, 3))
         for k in range(3):
             np.add.at(sums, place[self.faces[:, k]], area_normals)
-        return _unit(sums[place])
+        return unit(sums[place])
 
     @cached_property
     def _scene(self) -> Any:
@@ -132,12 +174,13 @@ class Mesh:
         hit = found["primID"] >= 0
         distances = np.where(hit, found["tfar"].astype(np.float64), np.inf)
 
-        corners = self.faces[np.where(hit, found["primID"], 0)]  # (n, 3)
+        face = np.where(hit, found["primID"], 0)
+        corners = self.faces[face]  # (n, 3)
         u, v = found["u"].astype(np.float64), found["v"].astype(np.float64)
         weights = np.where(hit[:, None], np.stack([1.0 - u - v, u, v], axis=1), 0.0)
         a, b, c = (self.vertices[corners[:, k]] for k in range(3))
-        flat = _unit(np.cross(b - a, c - a))
-        smooth = _unit(np.einsum("nk,nkx->nx", weights, self.vertex_normals[corners]))
+        flat = unit(np.cross(b - a, c - a))
+        smooth = unit(np.einsum("nk,nkx->nx", weights, self.vertex_normals[corners]))
         for spare in (flat, -directions):  # vertices, or a whole face, that define no normal
             smooth = np.where(smooth.any(axis=1, keepdims=True), smooth, spare)
         # The side is the face's, not the interpolated normal's, which may tip over at silhouettes.
@@ -145,9 +188,13 @@ class Mesh:
         behind = np.einsum("nk,nk->n", flat, directions) > 0.0
         normals = np.where(behind[:, None], -smooth, smooth)
 
-        if self.uv is None:
-            return Hits(distances, normals, np.zeros((len(distances), 2)))
-        return Hits(distances, normals, np.einsum("nk,nkx->nx", weights, self.uv[corners]))
+        uv, tangents = np.zeros((len(distances), 2)), None
+        if self.uv is not None:
+            uv = np.einsum("nk,nkx->nx", weights, self.uv[corners])
+        if self.tangents is not None:
+            interpolated = np.einsum("nk,nkx->nx", weights, self.tangents[face])
+            tangents = orthogonalised(interpolated, normals)
+        return Hits(distances, normals, uv, tangents)
 
 
 def _gather(
@@ -176,19 +223,13 @@ def _gather(
     return (
         np.concatenate(vertices),
         np.concatenate(faces),
-        _unit(np.concatenate(normals)) if len(normals) == len(vertices) else None,
+        unit(np.concatenate(normals)) if len(normals) == len(vertices) else None,
         np.concatenate(uv) if any(part.any() for part in uv) else None,
     )
 
 
-def _unit(vectors: FloatArray) -> FloatArray:
-    """Vectors of unit length; zero stays zero."""
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.asarray(vectors / np.where(lengths > 0.0, lengths, 1.0))
-
-
 def _require(name: str, array: FloatArray, shape: tuple[int | None, ...]) -> None:
-    if array.ndim != 2 or any(
+    if array.ndim != len(shape) or any(
         want not in (None, have) for want, have in zip(shape, array.shape, strict=True)
     ):
         text = ", ".join("n" if extent is None else str(extent) for extent in shape)

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.render.camera import Camera, FloatArray, Vector
+from shrm.render.line_field import VERTICAL, orthogonalised, tangents_around, unit
 from shrm.render.lookup import environment_lookup, texture_lookup
 from shrm.render.shapes import Shape
 
@@ -51,13 +52,14 @@ class Object:
     texture : (H, W, 3) float32, optional
         Linear; multiplies the reflected light [RH02 sec. 3]. (u, v) = (0, 1) is its upper left corner.
     axis : 3 floats
-        Tangents, which only materials centred on them use, run around this axis.
+        Tangents, which only materials centred on them use, run around this axis, unless the shape has a
+        tangent field of its own (`Mesh.with_tangents`).
     """
 
     shape: Shape
     material: Reflection
     texture: FloatPixels | None = None
-    axis: Vector = (0.0, 0.0, 1.0)
+    axis: Vector = VERTICAL
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,10 +174,16 @@ def _trace(
     for index, (thing, hits) in enumerate(zip(objects, all_hits, strict=True)):
         seen = np.flatnonzero(first == index)
         if len(seen):
-            _, point, count = np.unique(points[seen], return_inverse=True, return_counts=True)
-            normals, toward_eye = (_unit(_sums(x[seen], point, len(count))) for x in (hits.normals, views))
+            _, some, point = np.unique(points[seen], return_index=True, return_inverse=True)
+            normals, toward_eye = (unit(_sums(x[seen], point, len(some))) for x in (hits.normals, views))
+            if hits.tangents is None:
+                tangents = tangents_around(thing.axis, normals)
+            else:
+                lines = _same_sign(hits.tangents[seen], hits.tangents[seen[some]][point])
+                means = _sums(lines, point, len(some)) / np.bincount(point)[:, None]
+                tangents = orthogonalised(means, normals, thing.axis)
             reflected = thing.material.radiance(
-                _single(normals), _single(toward_eye), tangents=_single(tangents_around(thing.axis, normals))
+                _single(normals), _single(toward_eye), tangents=_single(tangents)
             )[point]
             if thing.texture is not None:
                 reflected = reflected * texture_lookup(thing.texture, hits.uv[seen])
@@ -188,29 +196,10 @@ def _sums(vectors: FloatArray, group: npt.NDArray[np.intp], groups: int) -> Floa
     return np.stack([np.bincount(group, vectors[:, k], groups) for k in range(3)], axis=1)
 
 
-def _unit(vectors: FloatArray) -> FloatArray:
-    """Vectors of unit length."""
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
-
-
-def tangents_around(axis: Vector, normals: FloatArray) -> FloatArray:
-    """Unit tangents that run around an axis: axis x N; where N is the axis itself, any tangent.
-
-    Parameters
-    ----------
-    axis : 3 floats
-    normals : (n, 3) float64
-
-    Returns
-    -------
-    (n, 3) float64
-    """
-    tangents = np.cross(np.asarray(axis, np.float64), normals)
-    lengths = np.linalg.norm(tangents, axis=1, keepdims=True)
-    least = np.eye(3)[np.abs(normals).argmin(axis=1)]  # the coordinate axis farthest from N
-    spare = np.cross(least, normals)
-    tangents = np.where(lengths > 1e-9, tangents, spare)
-    return _unit(tangents)
+def _same_sign(tangents: FloatArray, others: FloatArray) -> FloatArray:
+    """Tangents (n, 3), whose sign means nothing, with that of others (n, 3)."""
+    opposite = np.einsum("nk,nk->n", tangents, others) < 0.0
+    return np.where(opposite[:, None], -tangents, tangents)
 
 
 def _single(vectors: FloatArray) -> npt.NDArray[np.float32]:

@@ -22,11 +22,14 @@ class Hits:
         Unit shading normals, on the side that the ray comes from.
     uv : (n, 2) float64
         Texture coordinates, v upwards.
+    tangents : (n, 3) float64, optional
+        Unit tangents orthogonal to the normals, of any sign; without them they run around the object's axis.
     """
 
     distances: FloatArray
     normals: FloatArray
     uv: FloatArray
+    tangents: FloatArray | None = None
 
 
 class Shape(Protocol):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -21,12 +21,13 @@ from shrm.viewer.integration import Question
 from shrm.viewer.keys import draw_keys
 from shrm.viewer.lighting import Lighting, Prefiltered, Request
 from shrm.viewer.orbit import Orbit
-from shrm.viewer.panel import WIDTH, Facts, Panel
+from shrm.viewer.panel import Facts, Panel
 from shrm.viewer.renderer import Renderer
 from shrm.viewer.scene import Scene
 from shrm.viewer.screen import Screen
 from shrm.viewer.screenshot import save_screenshot
 from shrm.viewer.state import UNTURNED, Method, State
+from shrm.viewer.widgets import WIDTH
 from shrm.viewer.window import Controls, listen, open_window
 from shrm.viewer.worker import Worker
 
@@ -176,7 +177,7 @@ class Application:
             self.fault = self.refused = ""
             self._expose = not self._keep_eye or self.state.eye is None  # a state that was read says it
         self._lively = 3
-        if last is None or last.shapes is not result.shapes:
+        if last is None or _placing(last) != _placing(result):
             self._fit = not self._keep_eye
         if result.request == self._asked:
             self._keep_eye = False
@@ -187,15 +188,7 @@ class Application:
             self.refused = self._asked.environment
         self.state = replace(
             self.state,
-            environment=request.environment,
-            layout=request.layout,
-            repair=request.repair,
-            materials=request.materials,
-            mesh=request.mesh,
-            up=request.up,
-            tolerance=request.tolerance,
-            orders=request.orders,
-            method=request.method,
+            **{item.name: getattr(request, item.name) for item in fields(request) if item.name != "light"},
             selected=min(self.state.selected, len(request.materials) - 1),
         )
         self._asked = Request.of(self.state)
@@ -434,6 +427,11 @@ class Application:
     def _picture_extent(self) -> tuple[int, int]:
         width, height = glfw.get_framebuffer_size(self.window)
         return width - self._panel_pixels(), height
+
+
+def _placing(result: Prefiltered) -> tuple[object, ...]:
+    """What the positions of the objects depend on."""
+    return result.request.mesh, result.request.up, len(result.shapes)
 
 
 def _source(result: Prefiltered) -> tuple[object, ...]:

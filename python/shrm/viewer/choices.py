@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from shrm.render.tangents import Tangents
 from shrm.viewer.integration import COARSENESS, ROWS
 from shrm.viewer.materials import KINDS
 from shrm.viewer.scene import Viewer
@@ -91,6 +92,20 @@ SHOWN: tuple[tuple[Shown, str, str], ...] = (
         "The absolute difference between maps and integral on the objects, "
         f"{AMPLIFIED:g} times as bright; where "
         "it is black there is none. (Key 3)",
+    ),
+)
+TANGENTS: tuple[tuple[Tangents, str, str], ...] = (
+    (
+        "axis",
+        "around the vertical",
+        "How the grooves of brushed metal or the threads of hair run on a mesh.\n"
+        "around the vertical: as on a lathe.",
+    ),
+    ("uv", "along u", "along u: as the mesh's texture coordinates say; it must have some."),
+    (
+        "principal",
+        "along the larger curvature",
+        "along the larger curvature: around limbs and handles, whatever way they point.",
     ),
 )
 OF_LIGHT = "Largest degree of the light's harmonics: how sharp reflections can be."

@@ -10,6 +10,7 @@ import numpy as np
 from shrm.render.camera import Camera, FloatArray
 from shrm.render.mesh import Mesh
 from shrm.render.shapes import Shape, Sphere
+from shrm.viewer.programs import Surface
 
 # A cube of side 2, seen from inside: its far side is drawn.
 BOX = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float64)
@@ -23,16 +24,29 @@ BOX_FACES = np.array(
 
 
 class Geometry:
-    """The vertices of a mesh or a sphere on the GPU."""
+    """The vertices of a mesh or a sphere on the GPU.
+
+    Attributes
+    ----------
+    surface : {"sphere", "mesh", "tangent_mesh"}
+        The last is a mesh with a tangent field.
+    sphere : (x, y, z, radius) or None
+    """
 
     def __init__(self, gl: moderngl.Context, shape: Shape) -> None:
         self._gl = gl
+        self.surface: Surface = "sphere"
         self.sphere: tuple[float, ...] | None = None
         vertices: FloatArray
         if isinstance(shape, Mesh):
+            self.surface = "mesh" if shape.tangents is None else "tangent_mesh"
             uv = np.zeros((len(shape.vertices), 2)) if shape.uv is None else shape.uv
             vertices, faces = np.concatenate([shape.vertices, shape.vertex_normals, uv], axis=1), shape.faces
             self._attributes = {"position": 3, "normal": 3, "uv": 2}
+            if shape.tangents is not None:  # each corner of a face has its own: none are shared
+                vertices = np.concatenate([vertices[faces], shape.tangents], axis=2)
+                faces = np.arange(faces.size)
+                self._attributes["tangent"] = 3
         else:
             assert isinstance(shape, Sphere)
             vertices, faces = BOX, BOX_FACES

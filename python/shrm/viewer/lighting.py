@@ -10,7 +10,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from shrm.render.camera import FloatArray
 from shrm.render.mesh import Mesh
 from shrm.render.row import row_camera
 from shrm.render.shapes import Shape, Sphere
+from shrm.render.tangents import Tangents
 from shrm.viewer.state import Method, Rows, State, Up
 from shrm.viewer.worker import StaleError
 
@@ -58,6 +59,7 @@ class Request:
     materials: tuple[str, ...]
     mesh: str | None
     up: Up
+    tangents: Tangents
     tolerance: float
     orders: tuple[int, int] | None
     method: Method
@@ -66,18 +68,7 @@ class Request:
     @classmethod
     def of(cls, state: State) -> Request:
         """Return what a state asks for."""
-        return cls(
-            state.environment,
-            state.layout,
-            state.repair,
-            state.materials,
-            state.mesh,
-            state.up,
-            state.tolerance,
-            state.orders,
-            state.method,
-            state.light,
-        )
+        return cls(**{item.name: getattr(state, item.name) for item in fields(cls)})
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +110,7 @@ class Lighting:
     def __init__(self) -> None:
         self._environment: tuple[tuple[str, str | None, bool], Environment, tuple[str, ...]] | None = None
         self._mesh: tuple[tuple[str, Up], Mesh] | None = None
+        self._tangent_mesh: tuple[tuple[Mesh, Tangents], Mesh] | None = None
         self._shapes: tuple[tuple[Mesh | None, int], tuple[Shape, ...]] | None = None
         self._objects: list[_Lit] = []
 
@@ -132,10 +124,11 @@ class Lighting:
         StaleError
             If there is a newer request.
         """
-        for text in request.materials:
-            brdf.parse(text)  # a wrong one is a fault before anything is changed
+        # A wrong one is a fault before anything is changed.
+        lobes = [lobe for text in request.materials for lobe in brdf.parse(text).lobes]
+        tangents = request.tangents if any(lobe.center == "tangent" for lobe in lobes) else "axis"
         environment, notes = self._read_environment(request)
-        shapes = self._row(request)
+        shapes = self._row(request, tangents)
         start = time.perf_counter()
         R = np.asarray(request.light, np.float64)
         del self._objects[len(request.materials) :]
@@ -172,9 +165,11 @@ class Lighting:
             self._environment = key, environment, notes
         return self._environment[1:]
 
-    def _row(self, request: Request) -> tuple[Shape, ...]:
-        """Stand the objects in a row; the same ones as long as mesh and number are the same."""
+    def _row(self, request: Request, tangents: Tangents) -> tuple[Shape, ...]:
+        """Stand the objects in a row; the same ones as long as mesh, tangents and number are the same."""
         mesh, count = self._read_mesh(request), len(request.materials)
+        if mesh is not None and tangents != "axis":
+            mesh = self._with_tangents(mesh, tangents)
         if self._shapes is None or self._shapes[0] != (mesh, count):
             _, centers = row_camera(count, 1.0)
             shapes: tuple[Shape, ...]
@@ -195,6 +190,11 @@ class Lighting:
         if self._mesh is None or self._mesh[0] != key:
             self._mesh = key, Mesh.read(request.mesh, up=request.up)
         return self._mesh[1]
+
+    def _with_tangents(self, mesh: Mesh, tangents: Tangents) -> Mesh:
+        if self._tangent_mesh is None or self._tangent_mesh[0] != (mesh, tangents):
+            self._tangent_mesh = (mesh, tangents), mesh.with_tangents(tangents)
+        return self._tangent_mesh[1]
 
 
 class _Lit:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,14 +18,15 @@ from shrm.viewer.choices import (
     OF_LIGHT,
     OF_VIEW,
     SHOWN,
+    TANGENTS,
     VIEWERS,
     Action,
 )
 from shrm.viewer.lighting import DAYLIGHT, F_MAX, P_MAX, Prefiltered
 from shrm.viewer.materials import KINDS, exchanged, kind_of, value_of, with_value
 from shrm.viewer.state import UNTURNED, State
+from shrm.viewer.widgets import WIDTH, disabled, explain, wrapped
 
-WIDTH = 380
 SPHERE = "sphere"
 RECOGNISED = "as recognised"
 BY_PATH = "type its path and Enter, or drop it here."
@@ -98,7 +97,7 @@ class Panel:
         imgui.push_style_color(imgui.Col.SLIDER_GRAB, SEE_THROUGH)
         self._messages(state, facts)
         state = self._light(state, facts.refused)
-        state = self._objects(state)
+        state = self._objects(state, facts)
         state = self._accuracy(state, facts)
         state = self._method(state, facts)
         state = self._picture(state, actions)
@@ -125,8 +124,8 @@ class Panel:
         said = ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault), (GREY, coming))
         for other, message in said:
             color, text = (other, message) if message else (color, text)
-        _wrapped(color, text if color == GREY and not facts.said else _shortened(text))
-        _explain(text)
+        wrapped(color, text if color == GREY and not facts.said else _shortened(text))
+        explain(text)
         imgui.set_cursor_pos_y(top + 2.4 * imgui.get_text_line_height())
 
     def _light(self, state: State, refused: str) -> State:
@@ -142,12 +141,12 @@ class Panel:
                 state = replace(state, environment=path, layout=None)
         source = refused or state.environment  # what is said of it can make a picture that was refused good
         whose = "Of pictures: " if source == DAYLIGHT else f"Of {Path(source).name}: "
-        with _disabled(source == DAYLIGHT):
+        with disabled(source == DAYLIGHT):
             known = [RECOGNISED, *LAYOUTS]
             current = RECOGNISED if refused else state.layout or RECOGNISED
             changed, chosen = imgui.combo("layout", known.index(current), known)
             self._place("layout")
-            _explain(
+            explain(
                 f"{whose}how it unrolls the sphere: lat-long, cross or strip of a cube's faces, mirror ball, "
                 "probe and others. Choose one where the picture's shape does not tell."
             )
@@ -156,7 +155,7 @@ class Panel:
         if self._button("Daylight", "An analytic sky with its sun, in place of a picture."):
             state = replace(state, environment=DAYLIGHT, layout=None)
         imgui.same_line()
-        with _disabled(state.light == UNTURNED):
+        with disabled(state.light == UNTURNED):
             if self._button(
                 "Turn light back (R)",
                 "Turn the light back to where its picture has it. Dragging with the right button turns it.",
@@ -165,10 +164,10 @@ class Panel:
         imgui.same_line()
         changed, repair = imgui.checkbox("repair", state.repair)
         self._place("repair")
-        _explain(f"{whose}replace texels that are not finite by their neighbours; otherwise it is refused.")
+        explain(f"{whose}replace texels that are not finite by their neighbours; otherwise it is refused.")
         return replace(state, environment=source, repair=repair) if changed else state
 
-    def _objects(self, state: State) -> State:
+    def _objects(self, state: State, facts: Facts) -> State:
         count = len(state.materials)
         imgui.separator_text("Object" if count == 1 else f"Object {state.selected + 1} of {count}")
         if count > 1:
@@ -178,21 +177,21 @@ class Panel:
                 if imgui.radio_button(f"{index + 1}##object", index == state.selected):
                     state = replace(state, selected=index)
                 self._place(f"object {index + 1}")
-                _explain("Whose material this is; numbered from left to right, as they stand at first.")
+                explain("Whose material this is; numbered from left to right, as they stand at first.")
         state = self._material(state)
-        with _disabled(count == MOST_OBJECTS):
+        with disabled(count == MOST_OBJECTS):
             if self._button(
                 "Add object", f"A copy beside it, with a material of its own; {MOST_OBJECTS} at most."
             ):
                 text = state.materials[state.selected]
                 state = replace(state, materials=(*state.materials, text), selected=count)
         imgui.same_line()
-        with _disabled(count == 1):
+        with disabled(count == 1):
             if self._button("Remove", "Take the chosen object away."):
                 left = state.materials[: state.selected] + state.materials[state.selected + 1 :]
                 state = replace(state, materials=left, selected=min(state.selected, len(left) - 1))
         imgui.same_line()
-        with _disabled(state.mesh is None):
+        with disabled(state.mesh is None):
             if self._button("Back to sphere", "All objects are spheres again."):
                 state = replace(state, mesh=None)
         shown = SPHERE if state.mesh is None else Path(state.mesh).name
@@ -201,7 +200,20 @@ class Panel:
         )
         if typed is not None:
             state = replace(state, mesh=None if typed == SPHERE else _absolute(typed))
-        return state
+        return self._tangents(state, facts)
+
+    def _tangents(self, state: State, facts: Facts) -> State:
+        """The mesh's tangent field, where a material depends on it, or one is chosen that may not be had."""
+        maps = () if facts.result is None else facts.result.maps
+        about_tangent = any(part.center == "tangent" for rm in maps for part in rm.parts)
+        if not about_tangent and (state.mesh is None or state.tangents == "axis"):
+            return state
+        fields, labels, meanings = zip(*TANGENTS, strict=True)
+        with disabled(state.mesh is None):
+            changed, chosen = imgui.combo("tangents", fields.index(state.tangents), labels)
+            self._place("tangents")
+            explain("\n".join(meanings))
+        return replace(state, tangents=fields[chosen]) if changed else state
 
     def _material(self, state: State) -> State:
         text = state.materials[state.selected]
@@ -215,7 +227,7 @@ class Panel:
         current = names.index(kind) if kind else len(names)
         changed, chosen = imgui.combo("material", current, labels)
         self._place("material")
-        _explain("What the object is made of. Its parameters follow.")
+        explain("What the object is made of. Its parameters follow.")
         if changed and chosen < len(names):
             return state.with_material(state.selected, exchanged(material, KINDS[names[chosen]]))
         for parameter in KINDS[kind].parameters if kind else ():
@@ -229,7 +241,7 @@ class Panel:
                     parameter.label, value, parameter.low, parameter.high, "%.3g", scale
                 )
             self._place(parameter.name)
-            _explain(parameter.meaning)
+            explain(parameter.meaning)
             if changed:
                 state = state.with_material(state.selected, with_value(material, parameter, value))
         meaning = (
@@ -244,19 +256,19 @@ class Panel:
         imgui.separator_text("Accuracy")
         if self._radio("by tolerance", state.orders is None):
             state = replace(state, orders=None)
-        _explain("F and P are chosen for each object, by the error that is wanted.")
+        explain("F and P are chosen for each object, by the error that is wanted.")
         imgui.same_line()
         mine = None if facts.result is None else _of(facts.result.maps, state.selected)
         if self._radio("orders F, P", state.orders is not None) and state.orders is None:
             state = replace(state, orders=(12, 2) if mine is None else (mine.F, mine.P))
-        _explain("F and P as they are set, the same for all objects, whatever error they leave.")
+        explain("F and P as they are set, the same for all objects, whatever error they leave.")
         if state.orders is None:
             flags = imgui.SliderFlags.LOGARITHMIC | imgui.SliderFlags.CLAMP_ON_INPUT
             changed, percent = imgui.slider_float(
                 "tolerance", 100.0 * state.tolerance, 1.0, 50.0, "%.1f %%", flags
             )
             self._place("tolerance")
-            _explain("Relative RMS error of the reflected light over all normals and views.")
+            explain("Relative RMS error of the reflected light over all normals and views.")
             if changed:
                 state = replace(state, tolerance=round(percent / 100.0, 4))
         else:
@@ -274,7 +286,7 @@ class Panel:
         word = "map" if maps == 1 else "maps"
         whose = f"object {state.selected + 1}: " if len(state.materials) > 1 else ""
         imgui.text(f"{whose}F = {mine.F}, P = {mine.P}: {maps} {word}, 6 x {mine.size} x {mine.size}")
-        _explain(
+        explain(
             f"F: {OF_LIGHT}\nP: {OF_VIEW}\nMaps are cubes of six faces; together "
             "they hold what the object reflects."
         )
@@ -286,11 +298,11 @@ class Panel:
         imgui.push_item_width(150.0)
         _, F = imgui.slider_int("F", F, 0, F_MAX, "%d", clamp)
         self._place("F")
-        _explain(OF_LIGHT)
+        explain(OF_LIGHT)
         imgui.same_line()
         _, P = imgui.slider_int("P", P, 0, P_MAX, "%d", clamp)
         self._place("P")
-        _explain(OF_VIEW)
+        explain(OF_VIEW)
         imgui.pop_item_width()
         return state if state.orders == (F, P) else replace(state, orders=(F, P))
 
@@ -307,7 +319,7 @@ class Panel:
                 imgui.text_colored(YELLOW, f"{text} (at most {most} here)")
             else:
                 imgui.text(text)
-        _explain(
+        explain(
             "Relative RMS of what this object reflects, over all normals and "
             "views. (For the picture itself, see "
             f"'shown' below.) This window takes F up to {F_MAX} and P up to "
@@ -320,21 +332,21 @@ class Panel:
         for method, label, meaning in METHODS:
             if self._radio(label, state.method == method):
                 state = replace(state, method=method)
-            _explain(meaning)
+            explain(meaning)
         imgui.align_text_to_frame_padding()
         imgui.text("viewer")
         for viewer, label, meaning in VIEWERS:
             imgui.same_line()
             if self._radio(label, state.viewer == viewer):
                 state = replace(state, viewer=viewer)
-            _explain(meaning)
+            explain(meaning)
         imgui.align_text_to_frame_padding()
         imgui.text("shown ")
         for shown, label, meaning in SHOWN:
             imgui.same_line()
             if self._radio(label, state.shown == shown):
                 state = replace(state, shown=shown)
-            _explain(meaning)
+            explain(meaning)
         imgui.text_colored(GREY, facts.integrated or " ")
         return state
 
@@ -342,18 +354,18 @@ class Panel:
         imgui.separator_text("Picture")
         changed, stops = imgui.slider_float("exposure", state.exposure, -12.0, 12.0, "%+.2f stops")
         self._place("exposure")
-        _explain("Twice as bright for each stop.")
+        explain("Twice as bright for each stop.")
         if changed:
             state = replace(state, exposure=stops, automatic=False)
         changed, automatic = imgui.checkbox("auto (E)", state.automatic)
         self._place("auto")
-        _explain("Found from the picture when light, material or shape change; E finds it at any time.")
+        explain("Found from the picture when light, material or shape change; E finds it at any time.")
         if changed:
             state = replace(state, automatic=automatic)
         imgui.same_line()
         changed, background = imgui.checkbox("background (B)", state.background)
         self._place("background")
-        _explain("Show the light itself behind the objects.")
+        explain("Show the light itself behind the objects.")
         if changed:
             state = replace(state, background=background)
         for index, (action, label, meaning) in enumerate(BUTTONS):
@@ -369,9 +381,9 @@ class Panel:
         prefiltering = 0.0 if facts.result is None else facts.result.seconds
         rate = f" ({1.0 / drawing:.0f} frames/s)" if drawing > 0.0 else ""
         imgui.text(f"drawing      {1e3 * drawing:6.1f} ms{rate}")
-        _explain("The last frame, by OpenGL.")
+        explain("The last frame, by OpenGL.")
         imgui.text(f"prefiltering {1e3 * prefiltering:6.1f} ms{' (working ...)' if facts.working else ''}")
-        _explain("From light and material to maps, for all objects, when one of them changed last.")
+        explain("From light and material to maps, for all objects, when one of them changed last.")
 
     # ---- Controls whose places are kept
 
@@ -383,13 +395,13 @@ class Panel:
         flags = imgui.InputTextFlags
         entered, typed = imgui.input_text(label, text, flags.ENTER_RETURNS_TRUE | flags.AUTO_SELECT_ALL)
         self._place(label)
-        _explain(meaning)
+        explain(meaning)
         return typed.strip() or None if entered and typed != text else None
 
     def _button(self, label: str, meaning: str = "") -> bool:
         pressed = imgui.button(label)
         self._place(label)
-        _explain(meaning)
+        explain(meaning)
         return pressed
 
     def _radio(self, label: str, active: bool) -> bool:
@@ -412,31 +424,3 @@ def _shortened(text: str) -> str:
     head, colon, rest = text.partition(" (")[0].partition(": ")
     short = f"{Path(head).name}: {rest}" if colon and "/" in head else head + colon + rest
     return short if len(short) <= MOST_CHARACTERS else f"{short[: MOST_CHARACTERS - 3]}..."
-
-
-def _wrapped(color: tuple[float, float, float, float], text: str) -> None:
-    imgui.push_style_color(imgui.Col.TEXT, color)
-    imgui.text_wrapped(text)
-    imgui.pop_style_color()
-
-
-def _explain(text: str) -> None:
-    """Explain the last control beside the panel, where nothing of it is covered."""
-    if (
-        text
-        and not imgui.is_item_active()
-        and imgui.is_item_hovered(imgui.HoveredFlags.DELAY_NORMAL | imgui.HoveredFlags.ALLOW_WHEN_DISABLED)
-    ):
-        imgui.set_next_window_pos((WIDTH + 8.0, imgui.get_item_rect_min()[1]))
-        imgui.begin_tooltip()
-        imgui.push_text_wrap_pos(380.0)
-        imgui.text(text)
-        imgui.pop_text_wrap_pos()
-        imgui.end_tooltip()
-
-
-@contextmanager
-def _disabled(disabled: bool) -> Iterator[None]:
-    imgui.begin_disabled(disabled)
-    yield
-    imgui.end_disabled()

@@ -11,7 +11,7 @@ import numpy as np
 
 from shrm.icosahedral import coordinates, faces, icosahedron
 
-Surface = Literal["mesh", "sphere"]
+Surface = Literal["mesh", "tangent_mesh", "sphere"]
 Maps = Literal["dynamic", "factored", "layered"]
 
 
@@ -25,9 +25,13 @@ def object_program(gl: moderngl.Context, surface: Surface, maps: Maps) -> modern
     """Return the program that draws one lobe of an object."""
     bordered = () if maps == "dynamic" else ("bordered_maps.glsl",)
     looked_up = ("central_direction.glsl", *bordered, f"{maps}_map.glsl")
-    parts = ("surface.glsl", f"{surface}.glsl", *looked_up, "object.frag")
-    fragment = "\n".join(["#version 330 core", *map(source, parts)])
-    program = gl.program(vertex_shader=source(f"{surface}.vert"), fragment_shader=fragment)
+    shape = "sphere" if surface == "sphere" else "mesh"
+    parts = ("surface.glsl", f"{shape}.glsl", *looked_up, "object.frag")
+    head = ["#version 330 core", *(["#define TANGENTS"] if surface == "tangent_mesh" else [])]
+    program = gl.program(
+        vertex_shader="\n".join([*head, source(f"{shape}.vert")]),
+        fragment_shader="\n".join([*head, *map(source, parts)]),
+    )
     if maps == "layered":
         set_arrays(program, vertices=icosahedron(), faces=faces(), coordinates=coordinates())
     return program

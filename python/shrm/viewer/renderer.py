@@ -258,7 +258,7 @@ class Renderer:
         return lobes
 
     def _program(self, shape: Geometry, maps: Maps) -> moderngl.Program:
-        key: tuple[Surface, Maps] = "mesh" if shape.sphere is None else "sphere", maps
+        key = shape.surface, maps
         if key not in self._programs:
             self._programs[key] = object_program(self.gl, *key)
         return self._programs[key]

@@ -11,6 +11,7 @@ import numpy as np
 
 from shrm.orders import require_orders, require_tolerance
 from shrm.render.camera import FloatArray
+from shrm.render.tangents import Tangents
 from shrm.validation import one_of, rotation
 from shrm.viewer.orbit import Orbit
 from shrm.viewer.scene import Viewer
@@ -43,6 +44,8 @@ class State:
         A mesh's path; spheres without one.
     up : {"y", "z"}
         The mesh file's upward axis.
+    tangents : {"axis", "uv", "principal"}
+        The mesh's tangent field, which materials about the tangent use (`shrm.render.Mesh.with_tangents`).
     tolerance : float
         Relative RMS error wanted of the reflected light; chooses the orders.
     orders : (F, P), optional
@@ -80,6 +83,7 @@ class State:
     materials: tuple[str, ...] = (GOLD,)
     mesh: str | None = None
     up: Up = "y"
+    tangents: Tangents = "axis"
     tolerance: float = 0.06
     orders: tuple[int, int] | None = None
     method: Method = "shrm"
@@ -104,6 +108,7 @@ class State:
         if not all(isinstance(text, str) for text in self.materials):
             raise ValueError(f"materials must be one text or more, got {self.materials!r}")
         one_of("up", self.up, get_args(Up))
+        one_of("tangents", self.tangents, get_args(Tangents))
         one_of("method", self.method, get_args(Method))
         one_of("viewer", self.viewer, get_args(Viewer))
         one_of("shown", self.shown, get_args(Shown))

@@ -2,6 +2,9 @@
 in vec3 at;
 in vec3 smooth_normal;
 in vec2 texture_at;
+#ifdef TANGENTS
+in vec3 tangent_at;
+#endif
 
 // The side that is seen is the face's, not that of the interpolated normal, which may tip over at silhouettes.
 bool find_surface(out Surface surface) {
@@ -12,5 +15,10 @@ bool find_surface(out Surface surface) {
     surface.normal = dot(n, face) < 0.0 ? -n : n;
     surface.towards_eye = towards_eye;
     surface.uv = texture_at;
+#ifdef TANGENTS
+    surface.tangent = tangent_at;
+#else
+    surface.tangent = vec3(0.0);
+#endif
     return true;
 }

@@ -1,7 +1,7 @@
 // Reflected light of one lobe of an object: linear radiance, and 1 for its coverage if it is the first.
 uniform bool distant;
 uniform bool first_lobe;
-uniform vec3 axis;  // tangents run around it
+uniform vec3 axis;  // tangents run around it where the surface has none
 uniform sampler2D picture;  // multiplies the reflected light [RH02 section 3]
 
 out vec4 radiance;
@@ -14,11 +14,16 @@ vec3 tangent_around(vec3 n) {
     return normalize(cross(least, n));
 }
 
+vec3 orthogonalised(vec3 t, vec3 n) {
+    t -= dot(t, n) * n;
+    return dot(t, t) > 1e-12 ? normalize(t) : tangent_around(n);
+}
+
 void main() {
     Surface surface;
     if (!find_surface(surface)) discard;
     vec3 n = surface.normal, towards_eye = distant ? -forward : surface.towards_eye, v = towards_eye;
-    vec3 c = central_direction(n, tangent_around(n), v);
+    vec3 c = central_direction(n, orthogonalised(surface.tangent, n), v);
     vec3 light = reflected(c, v, towards_eye);
     if (clamped) light = max(light, 0.0);
     radiance = vec4(light * texture(picture, surface.uv).rgb, first_lobe ? 1.0 : 0.0);

@@ -21,6 +21,7 @@ bool find_surface(out Surface surface) {
     surface.towards_eye = -ray;
     surface.uv = vec2(0.5 + atan(outward.y, outward.x) / (2.0 * pi),
                       1.0 - atan(length(outward.xy), outward.z) / pi);
+    surface.tangent = vec3(0.0);
     vec4 clip = clip_from_world * vec4(sphere.xyz + sphere.w * outward, 1.0);
     gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
     return true;

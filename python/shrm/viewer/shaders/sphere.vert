@@ -1,6 +1,4 @@
 // The box about a sphere: what is seen within it is found for each pixel, exactly.
-#version 330 core
-
 uniform mat4 clip_from_world;
 uniform vec4 sphere;  // centre, radius
 

@@ -11,6 +11,7 @@ struct Surface {
     vec3 normal;       // unit, on the side that is seen
     vec3 towards_eye;  // unit
     vec2 uv;
+    vec3 tangent;      // of any length; zero: around the object's axis
 };
 
 vec3 ray_through(vec3 point) {
