@@ -28,6 +28,8 @@ Radiance = npt.NDArray[np.float32]
 
 SAMPLED_BLOCKS = 64
 """Blocks of a map from which a threshold is found for an error."""
+EXACT = 1e-2
+"""A threshold, in errors wanted, that leaves next to none: the sum over all texels would take long."""
 FINE = 1e-3
 """A threshold whose maps are compared with those of LEFT_OUT."""
 LARGEST_THRESHOLD, SMALLEST_THRESHOLD = 10.0, 1e-9
@@ -229,7 +231,7 @@ class HierarchicalReflection:
         places = np.minimum(places, count - 1)
         weight = inside * area[places, 0] / (SAMPLED_BLOCKS * chance[drawn])[:, None] / total
         n, v, t = (np.ascontiguousarray(d[places.ravel()]) for d in frames)
-        exact = self._reflected(lobe, (n, v, t), 0.0).astype(np.float64)
+        exact = self._reflected(lobe, (n, v, t), EXACT * error).astype(np.float64)
 
         def off(threshold: float) -> float:
             square = ((self._reflected(lobe, (n, v, t), threshold) - exact) ** 2).sum(axis=1)

@@ -63,8 +63,7 @@ class Layers:
         """At the door of every `prefilter`."""
         if not isinstance(env, Environment):
             raise TypeError(f"env must be an Environment, got {type(env).__name__}")
-        if not isinstance(brdf, BRDF):
-            raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
+        require_material(brdf)
         one_of("integrator", integrator, get_args(Integrator))
         one_of("layout", layout, get_args(Layout))
         if fraction("error", error) == 0:
@@ -93,6 +92,12 @@ class Layers:
         found = radiance(np.ascontiguousarray(C.reshape(-1, 3))).reshape(C.shape)
         rings[:, 0] = found.transpose(0, 2, 1) / np.float32(Y00)
         return empty
+
+
+def require_material(brdf: BRDF) -> None:
+    """Raise TypeError unless it is one."""
+    if not isinstance(brdf, BRDF):
+        raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
 
 
 def radial_layers(materials: Sequence[Material], how: Layers) -> tuple[Part, ...]:

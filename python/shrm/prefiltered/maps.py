@@ -29,7 +29,15 @@ from shrm.explicit import fit
 from shrm.icosahedral import icosahedron, weights
 from shrm.kautz_mccool import FactoredLobe, factored, symmetric
 from shrm.lobe_integrals import across, central_directions, normals_of
-from shrm.prefiltered.layers import Y00, FloatArray, Layers, largest_angle, radial_layers, sliced_layers
+from shrm.prefiltered.layers import (
+    Y00,
+    FloatArray,
+    Layers,
+    largest_angle,
+    radial_layers,
+    require_material,
+    sliced_layers,
+)
 from shrm.reflection_map import Interpolation, Part
 from shrm.rings import Float32Array, Layout
 from shrm.validation import one_of, real_array, unit_vectors
@@ -172,7 +180,7 @@ class Diffuse(PrefilteredMap):
         TypeError, ValueError
             As `prefilter`, or if the material is not one radial lobe about the normal.
         """
-        return cls._made(_one(brdf, cls, "normal", "radial"), Layers.checked(env, brdf, **options))
+        return cls._made(_one(brdf, cls, ("radial",), "normal"), Layers.checked(env, brdf, **options))
 
     @classmethod
     def _made(cls, one: Material, how: Layers) -> Diffuse:
@@ -198,7 +206,7 @@ class Phong(PrefilteredMap):
         TypeError, ValueError
             As `prefilter`, or if the material is not one radial lobe about the reflection.
         """
-        return cls._made(_one(brdf, cls, "reflection", "radial"), Layers.checked(env, brdf, **options))
+        return cls._made(_one(brdf, cls, ("radial",), "reflection"), Layers.checked(env, brdf, **options))
 
     @classmethod
     def _made(cls, one: Material, how: Layers) -> Phong:
@@ -243,7 +251,7 @@ class KautzMcCool3D(_Slices):
             As `prefilter`, or if the material is not one such lobe.
         """
         how = Layers.checked(env, brdf, **options)
-        return cls._made(_one(brdf, cls, "reflection", "isotropic", "zonal"), how, slices)
+        return cls._made(_one(brdf, cls, ("isotropic", "zonal"), "reflection", "normal"), how, slices)
 
     @classmethod
     def _made(cls, one: Material, how: Layers, slices: int) -> KautzMcCool3D:
@@ -260,7 +268,7 @@ class Anisotropic(_Slices):
     def prefilter(cls, env: Environment, brdf: BRDF, *, slices: int = SLICES, **options: Any) -> Anisotropic:
         """Prefilter; see `KautzMcCool3D.prefilter`, for a material of one lobe about the tangent."""
         how = Layers.checked(env, brdf, **options)
-        return cls._made(_one(brdf, cls, "tangent", "zonal"), how, slices)
+        return cls._made(_one(brdf, cls, ("zonal",), "tangent"), how, slices)
 
     @classmethod
     def _made(cls, one: Material, how: Layers, slices: int) -> Anisotropic:
@@ -311,7 +319,7 @@ class KautzMcCool2D(PrefilteredMap):
             As `prefilter`, or if the material is not one such lobe.
         """
         how = Layers.checked(env, brdf, **options)
-        one = _one(brdf, cls, "reflection", "isotropic", "zonal")
+        one = _one(brdf, cls, ("isotropic", "zonal"), "reflection", "normal")
         return cls._of(factored(one.lobes[0], lobes), one, how)
 
     @classmethod
@@ -350,7 +358,7 @@ class Cabral(PrefilteredMap):
         TypeError, ValueError
             As `prefilter`, or if the material is not one isotropic lobe.
         """
-        return cls._made(_one(brdf, cls, "reflection", "isotropic"), Layers.checked(env, brdf, **options))
+        return cls._made(_one(brdf, cls, ("isotropic",)), Layers.checked(env, brdf, **options))
 
     @classmethod
     def fitted(
@@ -394,18 +402,18 @@ class Cabral(PrefilteredMap):
         return cls(tuple(how.layer(lobe.center, at(view), gamma) for view in icosahedron()), one.name)
 
 
-def _one(brdf: BRDF, cls: type, center: Center, *kinds: str) -> Material:
-    """A material of one lobe of given kinds, about a centre that the class's maps have."""
-    wanted = " or ".join(kinds)
+def _one(brdf: BRDF, cls: type, kinds: tuple[str, ...], *centers: Center) -> Material:
+    """A material of one lobe of given kinds; other than isotropic ones about given centres."""
+    require_material(brdf)
     if len(brdf.lobes) != 1:
         raise ValueError(
             f"{cls.__name__} holds one lobe, and {brdf.name} has {len(brdf.lobes)}: use prefiltered.prefilter"
         )
     (lobe,) = brdf.lobes
-    about = center if lobe.kind != "isotropic" else lobe.center
-    if lobe.kind not in kinds or lobe.center != about:
+    if lobe.kind not in kinds or not (lobe.kind == "isotropic" or lobe.center in centers):
+        about = f" about the {' or the '.join(centers)}" if centers else ""
         raise ValueError(
-            f"{cls.__name__} holds a {wanted} lobe about the {center}, and {brdf.name} has"
-            f" a {lobe.kind} one about the {lobe.center}"
+            f"{cls.__name__} holds a lobe that is {' or '.join(kinds)}{about}, and that of {brdf.name} is"
+            f" {lobe.kind}, about the {lobe.center}"
         )
     return Material((lobe,), brdf.name)
