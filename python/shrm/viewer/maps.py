@@ -1,5 +1,7 @@
 """Maps on the GPU: one dynamic cube map for a distant viewer, all maps of a lobe for a near one.
 
+Lobes of fixed shape need neither: a dual-paraboloid map serves all viewers.
+
 References
 ----------
 [RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
@@ -18,6 +20,7 @@ from shrm.icosahedral import IcosahedralMaps, weights
 from shrm.reflection_map import Part
 from shrm.render.camera import FloatArray
 from shrm.rings import Float32Array
+from shrm.viewer.paraboloid import ParaboloidMap, RadialCenter
 from shrm.viewer.programs import Maps
 
 CENTERS: dict[Center, int] = {"reflection": 0, "normal": 1, "tangent": 2, "lobe": 3}
@@ -39,12 +42,12 @@ def as_cube(part: Part, size: int) -> Part:
 
 
 class Lobe(ABC):
-    """The maps of one lobe, as textures that are made when they are first drawn with.
+    """The maps of one lobe, as textures.
 
     Attributes
     ----------
-    near : Maps
-        The program that draws it for a near viewer.
+    near, distant : Maps
+        The programs that draw it for a near and for a distant viewer.
     gamma : moderngl.Texture
         The angle between C and N over theta_v, one row.
     uniforms : dict
@@ -52,12 +55,38 @@ class Lobe(ABC):
     """
 
     near: Maps
+    distant: Maps
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl = gl
+        self.gamma = self._gamma(np.zeros(2))
+        self.uniforms: dict[str, Any] = {}
+
+    def _gamma(self, table: FloatArray) -> moderngl.Texture:
+        return self._gl.texture((len(table), 1), 1, table.astype(np.float32).tobytes(), dtype="f4")
+
+    @abstractmethod
+    def dynamic(self, view: FloatArray) -> moderngl.TextureCube | moderngl.TextureArray:
+        """Return the map for a distant viewer, view (1, 3) unit."""
+
+    @abstractmethod
+    def layered(self) -> moderngl.TextureArray:
+        """Return all maps, for a near viewer."""
+
+    def release(self) -> None:
+        """Free what it holds on the GPU."""
+        self.gamma.release()
+
+
+class CubeLobe(Lobe):
+    """The cube maps of one lobe, made when they are first drawn with."""
+
+    distant = "dynamic"
 
     def __init__(self, gl: moderngl.Context, size: int) -> None:
         """`size` is the edge of the faces that lat-long maps are made anew for."""
-        self._gl, self._size = gl, size
-        self.gamma = self._gamma(np.zeros(2))
-        self.uniforms: dict[str, Any] = {}
+        super().__init__(gl)
+        self._size = size
         self._dynamic: moderngl.TextureCube | None = None
         self._layered: moderngl.TextureArray | None = None
         self._written = False  # whether `_layered` holds the maps
@@ -72,11 +101,8 @@ class Lobe(ABC):
         if self._pixels.shape != part.shape:
             self._pixels = np.empty(part.shape, np.float32)
 
-    def _gamma(self, table: FloatArray) -> moderngl.Texture:
-        return self._gl.texture((len(table), 1), 1, table.astype(np.float32).tobytes(), dtype="f4")
-
     def dynamic(self, view: FloatArray) -> moderngl.TextureCube:
-        """Return the map for a distant viewer, view (1, 3) unit, an ordinary cube map [RH02 eq. 12]."""
+        """Return the map for a distant viewer, an ordinary cube map [RH02 eq. 12]."""
         N = self._pixels.shape[1]
         if self._dynamic is None:
             self._dynamic = self._gl.texture_cube((N, N), 3, dtype="f4")
@@ -87,7 +113,7 @@ class Lobe(ABC):
         return self._dynamic
 
     def layered(self) -> moderngl.TextureArray:
-        """Return all maps, with their borders, for a near viewer: layer face * maps + z."""
+        """Return all maps, with their borders: layer face * maps + z."""
         if not self._written:
             rings = self._rings()
             maps, side = rings.shape[1], rings.shape[3]
@@ -116,12 +142,13 @@ class Lobe(ABC):
 
     def release(self) -> None:
         """Free what it holds on the GPU."""
-        for texture in (self.gamma, self._dynamic, self._layered):
+        super().release()
+        for texture in (self._dynamic, self._layered):
             if texture is not None:
                 texture.release()
 
 
-class LobeMaps(Lobe):
+class LobeMaps(CubeLobe):
     """The coefficient maps of a SHRM's lobe."""
 
     near = "factored"
@@ -142,7 +169,7 @@ class LobeMaps(Lobe):
         return np.asarray(self._part.rings, np.float32)
 
 
-class IcosahedralLobe(Lobe):
+class IcosahedralLobe(CubeLobe):
     """Cabral's twelve maps of a lobe, number `index` of the material's."""
 
     near = "icosahedral"
@@ -174,3 +201,50 @@ class IcosahedralLobe(Lobe):
     def _rings(self) -> Float32Array:
         constant = np.float32(1.0 / np.sqrt(4.0 * np.pi))  # Y_00
         return constant * np.concatenate([part.rings for part in self._parts], axis=1)
+
+
+class ParaboloidLobe(Lobe):
+    """A lobe's dual-paraboloid map, for all viewers.
+
+    Parameters
+    ----------
+    gl : moderngl.Context
+    center : {"reflection", "normal"}
+    border : int
+        Texels beyond the disc.
+    texture : moderngl.TextureArray
+        Two layers, and the caller's to release.
+    """
+
+    near = distant = "paraboloid"
+
+    def __init__(
+        self, gl: moderngl.Context, center: RadialCenter, border: int, texture: moderngl.TextureArray
+    ) -> None:
+        super().__init__(gl)
+        self._texture = texture
+        self.uniforms = {"center": CENTERS[center], "border": border}
+
+    def dynamic(self, view: FloatArray) -> moderngl.TextureArray:
+        """Return the map, which does not depend on the view."""
+        return self._texture
+
+    def layered(self) -> moderngl.TextureArray:
+        """Return the map."""
+        return self._texture
+
+
+class UploadedParaboloidLobe(ParaboloidLobe):
+    """A lobe's dual-paraboloid map from an array."""
+
+    def __init__(self, gl: moderngl.Context, part: ParaboloidMap) -> None:
+        side = part.pixels.shape[1]
+        texture = gl.texture_array((side, side, 2), 3, part.pixels, dtype="f4")
+        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        texture.repeat_x = texture.repeat_y = False
+        super().__init__(gl, part.center, part.border, texture)
+
+    def release(self) -> None:
+        """Free what it holds on the GPU."""
+        super().release()
+        self._texture.release()

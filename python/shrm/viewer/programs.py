@@ -13,7 +13,7 @@ from shrm.explicit import icosahedron
 from shrm.icosahedral import coordinates, faces
 
 Surface = Literal["mesh", "sphere"]
-Maps = Literal["dynamic", "factored", "icosahedral"]
+Maps = Literal["dynamic", "factored", "icosahedral", "paraboloid"]
 
 
 @lru_cache
@@ -24,8 +24,8 @@ def source(name: str) -> str:
 
 def object_program(gl: moderngl.Context, surface: Surface, maps: Maps) -> moderngl.Program:
     """Return the program that draws one lobe of an object."""
-    layered = () if maps == "dynamic" else ("bordered_maps.glsl",)
-    looked_up = ("central_direction.glsl", *layered, f"{maps}_map.glsl")
+    basis = {"dynamic": (), "paraboloid": ("paraboloid.glsl",)}.get(maps, ("bordered_maps.glsl",))
+    looked_up = ("central_direction.glsl", *basis, f"{maps}_map.glsl")
     parts = ("surface.glsl", f"{surface}.glsl", *looked_up, "object.frag")
     fragment = "\n".join(["#version 330 core", *map(source, parts)])
     program = gl.program(vertex_shader=source(f"{surface}.vert"), fragment_shader=fragment)
@@ -37,6 +37,14 @@ def object_program(gl: moderngl.Context, surface: Surface, maps: Maps) -> modern
 def screen_program(gl: moderngl.Context, name: str) -> moderngl.Program:
     """Return a program that fills the picture: its fragments are those of `name`."""
     return gl.program(vertex_shader=source("screen.vert"), fragment_shader=source(name))
+
+
+def layers_program(gl: moderngl.Context, *parts: str) -> moderngl.Program:
+    """Return a program that fills all layers of a target: its fragments are those of the parts together."""
+    fragment = "\n".join(["#version 330 core", *map(source, parts)])
+    return gl.program(
+        vertex_shader=source("layers.vert"), geometry_shader=source("layers.geom"), fragment_shader=fragment
+    )
 
 
 def set_arrays(program: moderngl.Program, **values: np.ndarray) -> None:

@@ -13,19 +13,23 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from shrm.environment import Environment
 from shrm.icosahedral import IcosahedralMaps
 from shrm.reflection_map import ReflectionMap
 from shrm.render.camera import FloatArray
 from shrm.render.picture import FloatPixels, Lighting, Object, Picture
 from shrm.rings import BORDER
 from shrm.validation import whole_number
-from shrm.viewer.context import Context, ContextError, offscreen
+from shrm.viewer.context import Context, ContextError, leave_framebuffers, offscreen
+from shrm.viewer.environment_texture import EnvironmentTexture, largest_texture
 from shrm.viewer.geometry import Geometry, clip_from_world
-from shrm.viewer.maps import IcosahedralLobe, Lobe, LobeMaps
+from shrm.viewer.hardware_prefilter import HardwarePrefilter
+from shrm.viewer.maps import IcosahedralLobe, Lobe, LobeMaps, ParaboloidLobe, UploadedParaboloidLobe
+from shrm.viewer.paraboloid import ParaboloidMaps
 from shrm.viewer.programs import Maps, Surface, object_program, screen_program, set_uniforms
 from shrm.viewer.resources import Resources
 from shrm.viewer.scene import Scene
+
+Drawn = ReflectionMap | IcosahedralMaps | ParaboloidMaps | HardwarePrefilter
 
 SEAMLESS = 0x884F  # GL_TEXTURE_CUBE_MAP_SEAMLESS
 LARGEST = 16384
@@ -130,6 +134,7 @@ class Renderer:
         if released:
             return
         self.context.activate()
+        leave_framebuffers(self.gl)
         self.resources.release()
         for program in (*self._programs.values(), self._background):
             program.release()
@@ -180,7 +185,9 @@ class Renderer:
         self, scene: Scene, light: Lighting, aspect: float, shift: tuple[float, float]
     ) -> None:
         gl, camera = self.gl, scene.camera
-        texture = self.resources.get("background", light.pixels, lambda pixels: _Environment(gl, pixels))
+        texture = self.resources.get(
+            "background", light.pixels, lambda pixels: EnvironmentTexture(gl, pixels)
+        )
         right, up, forward = camera.axes
         reach = 0.0 if camera.height is not None else float(np.tan(np.radians(camera.fov) / 2.0))
         texture.texture.use(0)
@@ -202,10 +209,10 @@ class Renderer:
     ) -> None:
         gl, get = self.gl, self.resources.get
         material = thing.material
-        if not isinstance(material, ReflectionMap | IcosahedralMaps):
+        if not isinstance(material, Drawn):
             raise TypeError(
-                "a material must be a shrm.ReflectionMap or shrm.icosahedral.IcosahedralMaps to be drawn by "
-                f"the GPU, got {type(material).__name__}"
+                "a material must be a shrm.ReflectionMap, shrm.icosahedral.IcosahedralMaps, or HardwarePrefilter "
+                f"or ParaboloidMaps of shrm.viewer to be drawn by the GPU, got {type(material).__name__}"
             )
         lobes = self._lobes(index, material)
         shape = get(("shape", index), thing.shape, lambda shape: Geometry(gl, shape))
@@ -213,7 +220,7 @@ class Renderer:
         if thing.texture is not None:
             picture = get(("texture", index), thing.texture, lambda pixels: _texture(gl, pixels))
         picture.use(2)
-        program = self._program(shape, "dynamic" if eye["distant"] else lobes[0].near)
+        program = self._program(shape, lobes[0].distant if eye["distant"] else lobes[0].near)
         set_uniforms(
             program,
             **eye,
@@ -223,7 +230,7 @@ class Renderer:
             gamma=1,
             picture=2,
             border=BORDER,
-            clamped=material.clamp,
+            clamped=isinstance(material, ReflectionMap | IcosahedralMaps) and material.clamp,
             axis=tuple(map(float, thing.axis)),
         )
         # A sphere's pixels are those of the far side of its box.
@@ -242,7 +249,7 @@ class Renderer:
         gl.depth_func = "<"
         target.depth_mask = True
 
-    def _lobes(self, index: int, material: ReflectionMap | IcosahedralMaps) -> list[Lobe]:
+    def _lobes(self, index: int, material: Drawn) -> list[Lobe]:
         """The maps of an object's lobes on the GPU."""
         gl, size, get = self.gl, self.map_size, self.resources.get
         lobes: list[Lobe] = []
@@ -250,6 +257,21 @@ class Renderer:
             for k, part in enumerate(material.parts):
                 key = ("lobe", index, k, part.rings.shape)
                 lobes.append(get(key, part, lambda part: LobeMaps(gl, part, size), LobeMaps.renew))
+        elif isinstance(material, ParaboloidMaps):
+            for k, found in enumerate(material.maps):
+                key = ("paraboloid", index, k)
+                lobes.append(get(key, found, lambda found: UploadedParaboloidLobe(gl, found)))
+        elif isinstance(material, HardwarePrefilter):
+            if material.context is not self.context:
+                raise ValueError(
+                    "a HardwarePrefilter must have the renderer's context to be drawn by it: make it with "
+                    "context=renderer.context"
+                )
+            for k, (center, texture) in enumerate(material.lobes):
+                border = material.border
+                key = ("filtered", index, k, center, border)
+                make = partial(ParaboloidLobe, gl, center, border)
+                lobes.append(get(key, texture, make))
         else:
             for k, part in enumerate(material.maps[0].parts):
                 key = ("icosahedral", index, k, part.rings.shape)
@@ -264,37 +286,13 @@ class Renderer:
         return self._programs[key]
 
 
-class _Environment:
-    """A lat-long picture on the GPU, and the mean radiance of its first and last row.
-
-    Where it is larger than a texture can be, it is averaged down to fit.
-    """
-
-    def __init__(self, gl: moderngl.Context, pixels: FloatPixels) -> None:
-        H, W = (min(side, _largest_texture(gl)) for side in pixels.shape[:2])
-        if pixels.shape[:2] != (H, W):
-            pixels = Environment(pixels).resized(H, W).pixels
-        self.texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels, np.float32), dtype="f4")
-        self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        self.texture.repeat_x, self.texture.repeat_y = True, False
-        self.poles = [tuple(map(float, pixels[row].mean(axis=0))) for row in (0, -1)]
-
-    def release(self) -> None:
-        self.texture.release()
-
-
 def _texture(gl: moderngl.Context, pixels: FloatPixels) -> moderngl.Texture:
     """A repeating picture, (u, v) = (0, 1) its upper left corner."""
     H, W = pixels.shape[:2]
-    if max(H, W) > _largest_texture(gl):
+    if max(H, W) > largest_texture(gl):
         raise ValueError(
-            f"a texture of {W} x {H} texels cannot be drawn: at most {_largest_texture(gl)} to a side here"
+            f"a texture of {W} x {H} texels cannot be drawn: at most {largest_texture(gl)} to a side here"
         )
     texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels[::-1], np.float32), dtype="f4")
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
     return texture
-
-
-def _largest_texture(gl: moderngl.Context) -> int:
-    """Texels to a side."""
-    return int(gl.info["GL_MAX_TEXTURE_SIZE"])
