@@ -1,13 +1,13 @@
 """Prefiltering on the graphics hardware, as often as the environment changes.
 
-Three filters of a dual-paraboloid map. Those of [KVHS00] section 5.2 shrink the map through its mip-map until the
-lobe, clamped, fits into a small kernel in texture space: ``one-pass`` with the lobe as it is in the middle of a
-face, ``two-pass`` also as it is at the rim, both blended by d^2. ``exact`` is what has become possible since: for
-each texel a sum over taps on the sphere, each of which reads the mip-map where a texel is as large as the tap's
-share of the lobe.
+Three filters of a dual-paraboloid map. Those of [KVHS00] section 5.2 shrink it through its mip-map until the
+lobe, clamped, fits into a small kernel in texture space: ``one-pass`` with the lobe as it is in the middle of
+a face, ``two-pass`` also as it is at the rim, both blended by d^2. ``exact`` is what has become possible
+since: for each texel a sum over taps on the sphere, each of which reads the mip-map where a texel is as
+large as the tap's share of the lobe.
 
-Any lobe of a profile about the reflection or the normal goes through them. So does what Kautz and McCool make of
-isotropic BRDFs: lobes that are such profiles times a factor, which is multiplied where they are looked up.
+Any lobe of a profile about the reflection or the normal goes through them. So do the lobes of [KM00], which
+isotropic BRDFs are fitted with: such profiles times a factor, which is multiplied where maps are looked up.
 
 References
 ----------
@@ -49,14 +49,14 @@ MOST_TAPS = 8192
 class HardwarePrefilter:
     """A material's dual-paraboloid maps, filtered by OpenGL: a material for `shrm.viewer.Renderer`.
 
-    Maps are of floats: radiance is not clamped to [0, 1], as it was for [KVHS00]. What it holds on the GPU stays
-    there until `release`, or to the end of a `with` statement.
+    Maps are of floats, not clamped to [0, 1] as those of [KVHS00] were. What it holds on the GPU stays there
+    until `release`, or to the end of a `with` statement.
 
     Parameters
     ----------
     brdf : shrm.brdf.BRDF
-        Whose lobes are all radial, as those of `Phong` and `Lambert` are: a profile about the reflection or the
-        normal. Each has a map of its own.
+        Whose lobes are all radial, as those of `Phong` and `Lambert` are: a profile about the reflection or
+        the normal. Each has a map of its own.
     size : int
         Texels across the disc of each face, 4 to 8192.
     border : int, optional
@@ -66,14 +66,15 @@ class HardwarePrefilter:
     taps : int
         Of the exact filter, for each texel: 1 to 8192.
     clamp : float
-        Of the other two, in (0, 1): where the lobe is less than this part of its maximum it is left out, and the
-        rest made brighter for it.
+        Of the other two, in (0, 1): where the lobe is less than this part of its maximum it is left out, and
+        the rest made brighter for it.
     largest_kernel : int
         Of these, texels across to which map and lobe are shrunk: 3 to 63.
     half : bool
         Texels of 16-bit floats, half of the memory; what is larger than 65504 becomes 65504.
     context : Context, optional
-        Where to filter, and the caller's to release: the renderer's, to be drawn by it. By default one of its own.
+        Where to filter, and the caller's to release: the renderer's, to be drawn by it. By default one of its
+        own.
 
     Attributes
     ----------
@@ -119,20 +120,27 @@ class HardwarePrefilter:
         self._released, self._filled = False, False
         self.context = offscreen() if context is None else context
         self.context.activate()
-        gl = self.context.gl
-        side = self.size + 2 * self.border
+        try:
+            self._make(lobes, count, "f2" if half else "f4")
+        except Exception:
+            if self._owns_context:
+                self.context.release()
+            raise
+
+    def _make(self, lobes: tuple[RadialLobe, ...], taps: int, texels: Texels) -> None:
+        """Make what is needed on the GPU."""
+        gl, side = self.context.gl, self.size + 2 * self.border
         if side > largest_texture(gl):
             raise ValueError(f"faces of {side} texels cannot be drawn: at most {largest_texture(gl)} here")
-        texels: Texels = "f2" if half else "f4"
         self._environment = ParaboloidEnvironment(gl, self.size, self.border, texels)
         self._lobes: list[FilteredLobe] = []
         for k, lobe in enumerate(lobes):
             faces = Faces(gl, side, texels)
-            if method == "exact":
-                self._lobes.append(TapsFilter(gl, lobe, faces, count))
+            if self.method == "exact":
+                self._lobes.append(TapsFilter(gl, lobe, faces, taps))
             else:
-                used = self.filters[k] if method == "two-pass" else self.filters[k][:1]
-                self._lobes.append(KernelFilter(gl, lobe, faces, used, 0.5 * self.size, clamp))
+                used = self.filters[k] if self.method == "two-pass" else self.filters[k][:1]
+                self._lobes.append(KernelFilter(gl, lobe, faces, used, 0.5 * self.size))
 
     def update(self, source: Source) -> None:
         """Filter an environment.
@@ -140,10 +148,9 @@ class HardwarePrefilter:
         Parameters
         ----------
         source : Environment, moderngl.Texture, moderngl.TextureCube or moderngl.Framebuffer
-            A texture is a lat-long picture of this context whose first row of texels is about +z and which
-            repeats along its rows, or a cube map with OpenGL's axes, +Z front (+x), +X right (-y), +Y up (+z); of
-            a framebuffer its first attachment. One that is much finer than the maps must have its mip-map made:
-            without, each texel takes up to 4 x 4 samples of it.
+            A texture is of this context: a lat-long picture whose first row of texels is about +z, or a cube
+            map with OpenGL's axes, +Z front (+x), +X right (-y), +Y up (+z). (Of a cube map without a mip-map
+            each texel takes 8 x 8 samples at the most.) Of a framebuffer its first attachment is taken.
 
         Raises
         ------
@@ -158,16 +165,15 @@ class HardwarePrefilter:
     def take(self, source: Source) -> None:
         """Make the unfiltered map of an environment: the first half of `update`."""
         self._activate()
-        if isinstance(source, moderngl.Framebuffer):
-            source = source.color_attachments[0]
-        if isinstance(source, Environment):
-            self._environment.upload(source.pixels)
-        elif isinstance(source, moderngl.Texture | moderngl.TextureCube):
-            self._environment.take(source)
+        given = source.color_attachments[0] if isinstance(source, moderngl.Framebuffer) else source
+        if isinstance(given, Environment):
+            self._environment.upload(given.pixels)
+        elif isinstance(given, moderngl.Texture | moderngl.TextureCube):
+            self._environment.take(given)
         else:
             raise TypeError(
-                "source must be an Environment, a moderngl Texture or TextureCube, or a Framebuffer with one, "
-                f"got {type(source).__name__}"
+                "source must be an Environment, a moderngl Texture or TextureCube, or a Framebuffer with a "
+                f"texture, got {type(source).__name__}"
             )
         self._filled = True
 
@@ -205,7 +211,6 @@ class HardwarePrefilter:
         if self._released:
             raise ContextError("the prefilter was released: it cannot filter any more")
         self.context.activate()
-        self.context.gl.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
 
     def _require_light(self) -> None:
         self._activate()
@@ -237,7 +242,7 @@ def _radial_lobes(brdf: Any) -> tuple[RadialLobe, ...]:
     for lobe in brdf.lobes:
         if not is_radial(lobe):
             raise ValueError(
-                f"{brdf.name} has a lobe whose shape changes with the view: hardware prefiltering takes radial "
+                f"{brdf.name} has a lobe whose shape changes with the view: HardwarePrefilter takes radial "
                 "ones, others shrm.prefilter"
             )
     return tuple(lobe for lobe in brdf.lobes if isinstance(lobe, RadialLobe))

@@ -28,8 +28,6 @@ FloatArray = npt.NDArray[np.float64]
 Float32Array = npt.NDArray[np.float32]
 RadialCenter = Literal["reflection", "normal"]
 
-LARGEST_SIZE = 8192
-
 
 def face_directions(size: int, border: int) -> FloatArray:
     """Return where the texel centres of both faces look, border and corners too.
@@ -108,7 +106,7 @@ class ParaboloidMap:
     @property
     def size(self) -> int:
         """Texels across the disc."""
-        return self.pixels.shape[1] - 2 * self.border
+        return int(self.pixels.shape[1]) - 2 * self.border
 
     def about(self, centers: FloatArray) -> FloatArray:
         """Look up directions (n, 3), unit: radiance (n, 3), linear between texels and between faces.

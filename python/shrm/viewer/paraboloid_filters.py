@@ -80,7 +80,6 @@ class KernelFilter(FilteredLobe):
         faces: Faces,
         used: Sequence[Filter],
         radius: float,
-        clamp: float,
     ) -> None:
         super().__init__(lobe, faces)
         self._convolve = LayersPass(gl, "layer.glsl", "texture_kernel.frag")
@@ -90,7 +89,7 @@ class KernelFilter(FilteredLobe):
             level = min(found.shrink, faces.side).bit_length() - 1
             shrunk = Faces(gl, faces.side >> level, faces.texels)
             # The shrunk map's texels are a little larger where its sides are odd.
-            kernel = texture_kernel(lobe.profile, found, clamp, faces.side / shrunk.side / radius)
+            kernel = texture_kernel(lobe.profile, found, faces.side / shrunk.side / radius)
             texture = gl.texture(kernel.shape[:2], 3, kernel, dtype="f4", alignment=1)
             self._steps.append((level, texture, shrunk))
 

@@ -1,6 +1,6 @@
 """Filters of radial lobes for dual-paraboloid maps: kernels in texture space, and taps on the sphere.
 
-The kernels are those of [KVHS00] section 5.2. A lobe is nothing from the angle alpha on where it has fallen to
+The kernels are those of [KVHS00] section 5.2. A lobe is nothing from the angle alpha on, where it falls below
 a part `clamp` of its maximum. In a paraboloid of radius R texels, where the angle theta from the axis is at
 R tan(theta / 2), a cap of alpha about the centre, d = 0, is a disc of the radius
 
@@ -11,8 +11,8 @@ and a cap about the rim, d = 1, reaches from there towards the centre by
     r_l = R (1 - tan(pi / 4 - alpha / 2)),
 
 which for small alpha is twice as far. Sizes are 2 ceil(r): with R = 256 and clamp = .1 they are those of the
-paper's table, all ten, and so are the shrink factors. (R = 256 is half of its pictures' 512 texels: their border
-of 64 must lie beyond these.)
+paper's table, all ten, and so are the shrink factors. (R = 256 is half of its faces' 512 texels, as if their
+border of 64 were beyond these.)
 
 References
 ----------
@@ -117,7 +117,7 @@ def clamp_angle(profile: Profile, clamp: float) -> float:
     return high
 
 
-def texture_kernel(profile: Profile, found: Filter, clamp: float, texel: float) -> Float32Array:
+def texture_kernel(profile: Profile, found: Filter, texel: float) -> Float32Array:
     """Sample a lobe into a kernel [KVHS00 section 5.2, step 7] that sums to the lobe's integral.
 
     Parameters
@@ -125,8 +125,6 @@ def texture_kernel(profile: Profile, found: Filter, clamp: float, texel: float) 
     profile : callable
         Of cos(theta), one channel or three.
     found : Filter
-    clamp : float
-        As for `filters`.
     texel : float
         Edge of the shrunk map's texels, in radii of the disc.
 
@@ -139,13 +137,10 @@ def texture_kernel(profile: Profile, found: Filter, clamp: float, texel: float) 
     steps = np.arange(-reach, reach + 1) * texel
     distance = np.hypot(*np.meshgrid(steps, steps))
     # The angle that a distance is at d = 0, and towards the centre at d = 1: r_s and r_l backwards.
-    if found.which == "small":
-        theta = 2 * np.arctan(distance)
-    else:
-        theta = np.pi / 2 - 2 * np.arctan(1 - distance)
+    at_rim = found.which == "large"
+    theta = np.pi / 2 - 2 * np.arctan(1 - distance) if at_rim else 2 * np.arctan(distance)
     values = channels_last(profile(np.cos(theta.ravel())))
-    least = clamp * np.abs(channels_last(profile(np.cos(np.linspace(0, np.pi, 1025))))).max()
-    values[(distance.ravel() > found.radius) | (np.abs(values).max(axis=1) < least)] = 0.0
+    values[distance.ravel() > found.radius] = 0.0
     total = values.sum(axis=0)
     kernel = np.where(total != 0, values / np.where(total != 0, total, 1), 0.0) * integral(profile)
     return np.broadcast_to(kernel, (len(kernel), 3)).reshape(*distance.shape, 3).astype(np.float32)
@@ -167,8 +162,8 @@ def _within(profile: Profile) -> FloatArray:
 def taps(profile: Profile, count: int) -> Float32Array:
     """Return directions that share a lobe, by importance: each stands for 1 / count of its integral.
 
-    Angles from the centre are the medians of rings of equal energy, azimuths turn by the golden angle. A tap's
-    solid angle is 1 / (count p), p its probability density: the environment is averaged over as much.
+    Angles from the centre are the medians of rings of equal energy, azimuths turn by the golden angle.
+    The solid angle of a tap is 1 / (count p), p its probability density: light is averaged over as much.
 
     Parameters
     ----------
@@ -191,9 +186,8 @@ def taps(profile: Profile, count: int) -> Float32Array:
     density = np.abs(channels_last(profile(np.cos(theta)))).sum(axis=1)
     density /= np.abs(of_channels[-1]).sum()
     result = np.zeros((2, count, 4))
-    result[0, :, :3] = np.stack(
-        [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1
-    )
+    x, y = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)
+    result[0, :, :3] = np.stack([x, y, np.cos(theta)], axis=1)
     result[0, :, 3] = -0.5 * np.log2(count * density)
     result[1, :, :3] = weights
     return result.astype(np.float32)

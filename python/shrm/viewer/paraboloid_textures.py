@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from shrm.viewer.context import ContextError, leave_framebuffers
 from shrm.viewer.environment_texture import EnvironmentTexture
-from shrm.viewer.programs import layers_program, set_uniforms
+from shrm.viewer.programs import layers_program, screen_program, set_uniforms
 
 Float32Array = npt.NDArray[np.float32]
 Texels = Literal["f4", "f2"]
@@ -24,7 +24,7 @@ Texels = Literal["f4", "f2"]
 LARGEST: dict[Texels, float] = {"f4": float(np.finfo(np.float32).max), "f2": float(np.finfo(np.float16).max)}
 """The largest finite number in a texel."""
 
-MOST_SAMPLES = 4
+MOST_SAMPLES = 8
 """To a side of a paraboloid's texel, from an environment; finer ones come through their mip-map."""
 
 
@@ -76,12 +76,14 @@ class LayersPass:
     """A program whose fragments fill both layers of a target."""
 
     def __init__(self, gl: moderngl.Context, *parts: str) -> None:
+        self._gl = gl
         self._program = layers_program(gl, *parts)
         self._array = gl.vertex_array(self._program, [])
 
     def draw(self, faces: Faces, radius: float, **values: Any) -> None:
         """Fill a target whose disc has that radius in texels; of the values, textures become samplers."""
         faces.target.use()
+        self._gl.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         samplers = 0
         for name, value in values.items():
             if isinstance(value, moderngl.Texture | moderngl.TextureArray | moderngl.TextureCube):
@@ -95,6 +97,45 @@ class LayersPass:
         """Free it."""
         self._array.release()
         self._program.release()
+
+
+class _WeightedPicture:
+    """A lat-long picture times its texels' solid angles, with its mip-map."""
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl = gl
+        self._program = screen_program(gl, "latlong_weighted.frag")
+        self._array = gl.vertex_array(self._program, [])
+        self._target: moderngl.Framebuffer | None = None
+        self.texture: moderngl.Texture | None = None
+
+    def draw(self, picture: moderngl.Texture) -> moderngl.Texture:
+        """Make it of a texture."""
+        gl = self._gl
+        if self.texture is None or self._target is None or self.texture.size != picture.size:
+            self._free()
+            self.texture = gl.texture(picture.size, 4, dtype="f4")
+            self.texture.repeat_x, self.texture.repeat_y = True, False
+            self._target = gl.framebuffer([self.texture])
+        self._target.use()
+        gl.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        picture.use(0)
+        set_uniforms(self._program, picture=0)
+        self._array.render(moderngl.TRIANGLES, vertices=3)
+        self.texture.build_mipmaps()
+        return self.texture
+
+    def release(self) -> None:
+        """Free it."""
+        self._free()
+        self._array.release()
+        self._program.release()
+
+    def _free(self) -> None:
+        if self.texture is not None and self._target is not None:
+            leave_framebuffers(self._gl)
+            self._target.release()
+            self.texture.release()
 
 
 class ParaboloidEnvironment:
@@ -111,6 +152,7 @@ class ParaboloidEnvironment:
         common = ("paraboloid.glsl", "layer.glsl")
         self._from_latlong = LayersPass(gl, *common, "latlong_light.glsl", "paraboloid_source.frag")
         self._from_cube = LayersPass(gl, *common, "cube_light.glsl", "paraboloid_source.frag")
+        self._weighted = _WeightedPicture(gl)
         self._uploaded: EnvironmentTexture | None = None
 
     def upload(self, pixels: Float32Array) -> None:
@@ -119,17 +161,18 @@ class ParaboloidEnvironment:
             if self._uploaded is not None:
                 self._uploaded.release()
             self._uploaded = EnvironmentTexture(self._gl, pixels)
-        self._uploaded.texture.build_mipmaps()
         self.take(self._uploaded.texture)
 
     def take(self, environment: moderngl.Texture | moderngl.TextureCube) -> None:
         """Take what is in a texture, a lat-long picture or a cube map."""
-        # An edge of a texel is 2 / radius in the middle of a face; the environment's is finest where:
+        # The widest texels, in the middles of faces, take samples no farther apart than the environment's.
         if isinstance(environment, moderngl.TextureCube):
             step, taken = 2.0 / environment.size[0], self._from_cube
         else:
             step, taken = math.pi / environment.height, self._from_latlong
-        samples = min(max(math.ceil(2.0 * (4.0 / self._size) / step), 1), MOST_SAMPLES)
+            environment = self._weighted.draw(environment)
+        widest = 4.0 / self._size
+        samples = min(math.ceil(widest / step), MOST_SAMPLES)
         taken.draw(
             self.faces,
             0.5 * self._size,
@@ -141,6 +184,6 @@ class ParaboloidEnvironment:
 
     def release(self) -> None:
         """Free what it holds."""
-        for held in (self.faces, self._from_latlong, self._from_cube, self._uploaded):
+        for held in (self.faces, self._from_latlong, self._from_cube, self._weighted, self._uploaded):
             if held is not None:
                 held.release()

@@ -211,8 +211,9 @@ class Renderer:
         material = thing.material
         if not isinstance(material, Drawn):
             raise TypeError(
-                "a material must be a shrm.ReflectionMap, shrm.icosahedral.IcosahedralMaps, or HardwarePrefilter "
-                f"or ParaboloidMaps of shrm.viewer to be drawn by the GPU, got {type(material).__name__}"
+                "a material must be a shrm.ReflectionMap, shrm.icosahedral.IcosahedralMaps, or one of "
+                "shrm.viewer's HardwarePrefilter and ParaboloidMaps to be drawn by the GPU, got "
+                f"{type(material).__name__}"
             )
         lobes = self._lobes(index, material)
         shape = get(("shape", index), thing.shape, lambda shape: Geometry(gl, shape))
@@ -251,33 +252,36 @@ class Renderer:
 
     def _lobes(self, index: int, material: Drawn) -> list[Lobe]:
         """The maps of an object's lobes on the GPU."""
+        if isinstance(material, ParaboloidMaps | HardwarePrefilter):
+            return self._paraboloids(index, material)
         gl, size, get = self.gl, self.map_size, self.resources.get
         lobes: list[Lobe] = []
         if isinstance(material, ReflectionMap):
             for k, part in enumerate(material.parts):
                 key = ("lobe", index, k, part.rings.shape)
                 lobes.append(get(key, part, lambda part: LobeMaps(gl, part, size), LobeMaps.renew))
-        elif isinstance(material, ParaboloidMaps):
-            for k, found in enumerate(material.maps):
-                key = ("paraboloid", index, k)
-                lobes.append(get(key, found, lambda found: UploadedParaboloidLobe(gl, found)))
-        elif isinstance(material, HardwarePrefilter):
-            if material.context is not self.context:
-                raise ValueError(
-                    "a HardwarePrefilter must have the renderer's context to be drawn by it: make it with "
-                    "context=renderer.context"
-                )
-            for k, (center, texture) in enumerate(material.lobes):
-                border = material.border
-                key = ("filtered", index, k, center, border)
-                make = partial(ParaboloidLobe, gl, center, border)
-                lobes.append(get(key, texture, make))
         else:
             for k, part in enumerate(material.maps[0].parts):
                 key = ("icosahedral", index, k, part.rings.shape)
                 make = partial(IcosahedralLobe, gl, k, size)
                 lobes.append(get(key, material, make, IcosahedralLobe.renew))
         return lobes
+
+    def _paraboloids(self, index: int, material: ParaboloidMaps | HardwarePrefilter) -> list[Lobe]:
+        """The dual-paraboloid maps of an object's lobes, uploaded or as they were filtered on the GPU."""
+        gl, get = self.gl, self.resources.get
+        if isinstance(material, ParaboloidMaps):
+            upload = partial(UploadedParaboloidLobe, gl)
+            return [get(("paraboloid", index, k), found, upload) for k, found in enumerate(material.maps)]
+        if material.context is not self.context:
+            raise ValueError(
+                "a HardwarePrefilter must have the renderer's context to be drawn by it: make it with "
+                "context=renderer.context"
+            )
+        return [
+            get(("filtered", index, k, center), texture, partial(ParaboloidLobe, gl, center, material.border))
+            for k, (center, texture) in enumerate(material.lobes)
+        ]
 
     def _program(self, shape: Geometry, maps: Maps) -> moderngl.Program:
         key: tuple[Surface, Maps] = "mesh" if shape.sphere is None else "sphere", maps

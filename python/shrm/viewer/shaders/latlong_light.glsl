@@ -1,4 +1,4 @@
-// A lat-long environment as core.hpp has it: its first row about +z.
+// A lat-long environment as core.hpp has it, its first row about +z: radiance times solid angle, and solid angle.
 const float pi = 3.14159265358979;
 
 uniform sampler2D environment;
@@ -13,8 +13,8 @@ vec3 light_within(vec3 d, float extent) {
     v = clamp(v, half_row, 1.0 - half_row);
     float wide = min(extent / (2.0 * pi * max(sine, 1e-6)), 1.0);  // of the row
     int count = clamp(int(ceil(wide * size.x / exp2(level))), 1, 32);
-    vec3 sum = vec3(0.0);
+    vec4 sum = vec4(0.0);
     for (int k = 0; k < count; ++k)
-        sum += textureLod(environment, vec2(u + wide * ((float(k) + 0.5) / float(count) - 0.5), v), level).rgb;
-    return sum / float(count);
+        sum += textureLod(environment, vec2(u + wide * ((float(k) + 0.5) / float(count) - 0.5), v), level);
+    return sum.rgb / sum.a;
 }
