@@ -44,8 +44,8 @@ PYTHON_ORDER = [
     ["render"],
     ["export"],
     ["demo"],
-    ["reproduce"],
     ["viewer"],
+    ["reproduce"],
     ["cli"],
 ]
 
