@@ -47,8 +47,8 @@ def make(settings: Settings) -> Result:
             "constant radius from which they deviate least; the largest deviation is given as a part of it.",
             f"Up to {largest:.0%} for r up to {max(RADII):g}, which is the large filter's at exponent 10; "
             f"[KVHS00] says {LARGEST:.0%}.",
-            "About their own centres the projected circles do not deviate at all: the map is the stereographic "
-            "projection, which maps circles to circles.",
+            "About their own centres the projected circles do not deviate at all: the map is the "
+            "stereographic projection, which maps circles to circles.",
         ],
         _draw(),
     )

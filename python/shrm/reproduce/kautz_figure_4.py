@@ -134,6 +134,7 @@ def _draw(maps: dict[str, Pixels], exact: Pixels, weight: npt.NDArray[np.float64
     for (name, pixels), (above, below) in zip(maps.items(), axes.T, strict=True):
         above.imshow(display(np.concatenate(list(pixels)), exposure), interpolation="nearest")
         above.set_title(name.replace(", ", ",\n", 1), fontsize=9)
+        below.set_visible(name != "classic")
         error = np.abs((pixels - exact) @ LUMINANCE) / mean
         shown = below.imshow(100 * np.concatenate(list(error)), cmap="magma", vmin=0, vmax=100 * BRIGHTEST)
         for panel in (above, below):

@@ -8,6 +8,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -158,7 +159,8 @@ def _measure(
                     prefilter.filter()
                     renderer.draw(scene, target)
 
-                calls = [prefilter.filter, frame, partial(prefilter.take, settings.env)]
+                taken = partial(prefilter.take, settings.env)
+                calls: list[Callable[[], object]] = [prefilter.filter, frame, taken]
                 alone, whole, making = frame_seconds(context, calls, 1 if method == "exact" else rounds)
                 error = _relative_rms(prefilter.radiance(directions, directions), exact)
                 measured[s][method] = Speed(alone, whole, error)
@@ -181,10 +183,10 @@ def _relative_rms(found: npt.NDArray[np.float32], exact: npt.NDArray[np.float32]
 
 _SIZES = (
     "Filter sizes are 2 ceil(r), r_s = R tan(alpha/2) and r_l = R (1 - tan(pi/4 - alpha/2)) for the angle "
-    f"alpha where the lobe falls to {CLAMP:g}. With R = {SIZE // 2} they are the paper's, and so is the shrink "
-    f"factor, doubled until a filter is at most {LARGEST_KERNEL} texels across. R is half of the paper's 512 "
-    "texels: its border of 64 is taken to lie beyond these, and faces are 640 texels. Within them R would be "
-    "192 and sizes three quarters as large."
+    f"alpha where the lobe falls to {CLAMP:g}. With R = {SIZE // 2} they are the paper's, and so is the "
+    f"shrink factor, doubled until a filter is at most {LARGEST_KERNEL} texels across. R is half of the "
+    "paper's 512 texels: its border of 64 is taken to lie beyond these, and faces are 640 texels. Within "
+    "them R would be 192 and sizes three quarters as large."
 )
 
 
@@ -194,9 +196,10 @@ def _notes(settings: Settings, driver: str, seconds: float) -> list[str]:
         _SIZES,
         f"OpenGL: {driver}; {size}, float RGBA. [KVHS00] measured on an SGI O2, whose texels are clamped to "
         "[0, 1].",
-        "Wall times, medians of rounds (of the exact filter one). A frame is filtered, then drawn: a sphere of "
-        f"2592 triangles before the environment, {PICTURE} x {PICTURE} pixels. As in the paper the unfiltered "
-        f"map and its mip-map are given; making them of the lat-long picture takes {1e3 * seconds:.3g} ms.",
+        "Wall times, medians of rounds (of the exact filter one). A frame is filtered, then drawn: a sphere "
+        f"of 2592 triangles before the environment, {PICTURE} x {PICTURE} pixels. As in the paper the "
+        "unfiltered map and its mip-map are given; making them of the lat-long picture takes "
+        f"{1e3 * seconds:.3g} ms.",
         f"The exact filter has {TAPS} taps. Errors are relative RMS over the sphere against direct "
         "integration. Those of one and two passes are what the clamp leaves out, and that a kernel of few "
         "shrunk texels, of one shape for a whole face, is not the lobe; those of the exact filter are the "

@@ -27,6 +27,9 @@ LARGEST: dict[Texels, float] = {"f4": float(np.finfo(np.float32).max), "f2": flo
 MOST_SAMPLES = 8
 """To a side of a paraboloid's texel, from an environment; finer ones come through their mip-map."""
 
+MOST_COLUMNS = 32
+"""Of a lat-long picture, along a row, for one sample beside a pole."""
+
 
 class Faces:
     """Two layers of floats that can be drawn into: not clamped to [0, 1], as they were in 2000.
@@ -179,6 +182,7 @@ class ParaboloidEnvironment:
             environment=environment,
             side=float(self.faces.side),
             samples=samples,
+            most_columns=MOST_COLUMNS,
         )
         self.faces.texture.build_mipmaps()
 
