@@ -190,20 +190,34 @@ def test_lobes_about_the_normal_and_of_three_channels(context):
             assert oracles.relative_rms(prefilter.radiance(N, V), exact) < bound
 
 
-def test_any_radial_profile_is_taken(context):
-    ring = brdf.lobe.RadialLobe(
-        "reflection", lambda c: np.exp(-(((np.arccos(np.clip(c, -1, 1)) - 0.3) / 0.1) ** 2))
+def test_any_radial_lobe_is_taken(context):
+    def ring(cosine):
+        return np.exp(-(((np.arccos(np.clip(cosine, -1, 1)) - 0.3) / 0.1) ** 2))
+
+    lobe = brdf.lobe.RadialLobe("reflection", ring)
+    exact = prefilter_angular(SMOOTH, SimpleNamespace(lobes=(lobe,)), tolerance=0, subsamples=1).radiance(
+        D, D
     )
-
-    class Ring(brdf.BRDF):
-        lobes = (ring,)
-        name = "ring"
-
-    exact = prefilter_angular(SMOOTH, Ring(), tolerance=0, subsamples=1).radiance(D, D)
     for method, bound in (("exact", 0.005), ("two-pass", 0.1)):
-        with HardwarePrefilter(Ring(), size=128, taps=512, method=method, context=context) as prefilter:
+        with HardwarePrefilter(lobe, size=128, taps=512, method=method, context=context) as prefilter:
             prefilter.update(SMOOTH)
             assert oracles.relative_rms(prefilter.radiance(D, D), exact) < bound
+
+
+@pytest.mark.parametrize(("size", "border"), [(45, 3), (33, 1), (4, 2), (100, 50)])
+@pytest.mark.parametrize("method", METHODS)
+def test_faces_may_have_any_size(context, method, size, border):
+    white = Environment(np.full((16, 32, 3), 2.0, np.float32))
+    with HardwarePrefilter(
+        brdf.Phong(20), size=size, border=border, method=method, context=context
+    ) as prefilter:
+        prefilter.update(white)
+        np.testing.assert_allclose(prefilter.maps().maps[0].pixels, 2.0, rtol=1e-5)
+        if size < 30:
+            return
+        prefilter.update(SMOOTH)
+        exact = prefilter_angular(SMOOTH, brdf.Phong(20), tolerance=0, subsamples=1).radiance(D, D)
+        assert oracles.relative_rms(prefilter.radiance(D, D), exact) < {"exact": 0.005}.get(method, 0.05)
 
 
 @pytest.mark.parametrize("exponent", [10, 50, 100])
@@ -274,6 +288,11 @@ def test_both_faces_agree_at_the_equator(context, method, bound):
     assert oracles.relative_rms(seen[0], exact(at, at)) < bound
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_black_lobe_reflects_nothing(context, method):
+    assert not filtered(context, brdf.Lambert(0.0), SMOOTH, method=method).any()
+
+
 # ---- Every frame
 
 
@@ -340,7 +359,7 @@ def test_both_ways_to_opengl_filter_alike():
 @pytest.mark.parametrize(
     ("options", "fault", "text"),
     [
-        ({"brdf": "phong"}, TypeError, "brdf must be a material of shrm.brdf, got str"),
+        ({"brdf": "phong"}, TypeError, "brdf must be a material of shrm.brdf or a RadialLobe, got str"),
         (
             {"brdf": brdf.GGX(0.3)},
             ValueError,
@@ -375,6 +394,20 @@ def test_what_is_no_light_is_said(context):
                 call()
         with pytest.raises(TypeError, match=r"source must be an Environment, .* got ndarray"):
             prefilter.update(np.ones((8, 16, 3)))
+        depth = context.gl.framebuffer(depth_attachment=context.gl.depth_renderbuffer((8, 8)))
+        with pytest.raises(TypeError, match="a Framebuffer with a texture, got Framebuffer"):
+            prefilter.update(depth)
+        depth.release()
+
+
+def test_a_texture_of_another_context_is_said(context):
+    other = offscreen((context.route,))
+    texture = other.gl.texture((8, 4), 3, dtype="f4")
+    with HardwarePrefilter(brdf.Phong(8), size=16, context=context) as prefilter:
+        with pytest.raises(ValueError, match="of the prefilter's OpenGL context"):
+            prefilter.update(texture)
+        prefilter.update(SMOOTH)
+    other.release()
 
 
 def test_what_was_released_is_said(context):

@@ -33,20 +33,18 @@ PICTURE, SAMPLES = 384, 3
 CAMERA = Camera((3.2, 1.6, 0.5), fov=52.0)
 TILT = 60.0  # degrees: the torus stands, and shows the camera its hole
 COLUMNS = ("environment", "exponent", "filter, ms", "frames/s", "relative RMS error")
-EVENING = "daylight, evening"
+DAYLIGHT = "daylight at noon"
 
 
 def make(settings: Settings) -> Result:
     """Draw the torus with two exponents in two environments."""
     context, about = context_or_note()
-    title = f"A torus filtered for every frame, {settings.env_name} and {EVENING}"
+    title = f"A torus filtered for every frame, {settings.env_name} and {DAYLIGHT}"
     if context is None:
         rows: list[list[Cell]] = [["not drawn", s, None, None, None] for s in EXPONENTS]
         return Result(NAME, title, COLUMNS, rows, [about])
-    evening = Environment.daylight(
-        sun_elevation=8.0, sun_azimuth=-70.0, turbidity=4.0, size=32 if settings.quick else 512
-    )
-    rows, pictures = _measure(context, {settings.env_name: settings.env, EVENING: evening}, settings.quick)
+    noon = Environment.daylight(sun_elevation=55.0, sun_azimuth=-70.0, size=32 if settings.quick else 512)
+    rows, pictures = _measure(context, {settings.env_name: settings.env, DAYLIGHT: noon}, settings.quick)
     context.release()
     return Result(
         NAME,

@@ -54,9 +54,9 @@ class HardwarePrefilter:
 
     Parameters
     ----------
-    brdf : shrm.brdf.BRDF
-        Whose lobes are all radial, as those of `Phong` and `Lambert` are: a profile about the reflection or
-        the normal. Each has a map of its own.
+    brdf : shrm.brdf.BRDF or shrm.brdf.lobe.RadialLobe
+        A material whose lobes are all radial, as those of `Phong` and `Lambert` are, profiles about the
+        reflection or the normal; or one such lobe. Each has a map of its own.
     size : int
         Texels across the disc of each face, 4 to 8192.
     border : int, optional
@@ -92,7 +92,7 @@ class HardwarePrefilter:
 
     def __init__(
         self,
-        brdf: BRDF,
+        brdf: BRDF | RadialLobe,
         *,
         size: int = 256,
         border: int | None = None,
@@ -156,8 +156,8 @@ class HardwarePrefilter:
         ------
         ContextError
             If this was released.
-        TypeError
-            If it is none of these.
+        TypeError, ValueError
+            If it is none of these, or of another context.
         """
         self.take(source)
         self.filter()
@@ -165,10 +165,13 @@ class HardwarePrefilter:
     def take(self, source: Source) -> None:
         """Make the unfiltered map of an environment: the first half of `update`."""
         self._activate()
-        given = source.color_attachments[0] if isinstance(source, moderngl.Framebuffer) else source
+        attached = source.color_attachments if isinstance(source, moderngl.Framebuffer) else ()
+        given = attached[0] if attached else source
         if isinstance(given, Environment):
             self._environment.upload(given.pixels)
         elif isinstance(given, moderngl.Texture | moderngl.TextureCube):
+            if given.ctx is not self.context.gl:
+                raise ValueError("source must be of the prefilter's OpenGL context, got one of another")
             self._environment.take(given)
         else:
             raise TypeError(
@@ -237,8 +240,10 @@ class HardwarePrefilter:
 
 
 def _radial_lobes(brdf: Any) -> tuple[RadialLobe, ...]:
+    if isinstance(brdf, RadialLobe):
+        return (brdf,)
     if not isinstance(brdf, BRDF):
-        raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
+        raise TypeError(f"brdf must be a material of shrm.brdf or a RadialLobe, got {type(brdf).__name__}")
     for lobe in brdf.lobes:
         if not is_radial(lobe):
             raise ValueError(

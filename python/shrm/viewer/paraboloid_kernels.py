@@ -72,7 +72,7 @@ def filters(profile: Profile, size: int, clamp: float, largest_kernel: int) -> t
     size : int
         Texels across the disc.
     clamp : float
-        In (0, 1): parts of the lobe's maximum from which on it is nothing.
+        In (0, 1): the part of the lobe's maximum below which it is left out.
     largest_kernel : int
         Texels across, to which shrinking must bring a filter.
 
@@ -99,13 +99,15 @@ def _filter(which: Which, radius: float, size: int, largest_kernel: int) -> Filt
 
 
 def clamp_angle(profile: Profile, clamp: float) -> float:
-    """Return the angle from which on a lobe is below a part of its maximum in all channels."""
+    """Return the angle from which on a lobe is below a part of its maximum in all channels; 0 of a black one."""
 
     def height(theta: FloatArray) -> FloatArray:
         return np.asarray(np.abs(channels_last(profile(np.cos(theta)))).max(axis=1))
 
     theta = 2 * np.arcsin(np.arange(NODES + 1) / NODES)
     values = height(theta)
+    if values.max() == 0.0:
+        return 0.0
     least = clamp * values.max()
     k = int(np.flatnonzero(values >= least)[-1])
     if k == NODES:
@@ -183,11 +185,13 @@ def taps(profile: Profile, count: int) -> Float32Array:
     phi = GOLDEN_ANGLE * np.arange(count)
     of_channels = _within(profile)
     weights = np.diff([np.interp(edges, share, channel) for channel in of_channels.T], axis=1).T
-    density = np.abs(channels_last(profile(np.cos(theta)))).sum(axis=1)
-    density /= np.abs(of_channels[-1]).sum()
+    energy = float(np.abs(of_channels[-1]).sum())
+    density = np.abs(channels_last(profile(np.cos(theta)))).sum(axis=1) / (energy if energy > 0 else 1.0)
     result = np.zeros((2, count, 4))
     x, y = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)
     result[0, :, :3] = np.stack([x, y, np.cos(theta)], axis=1)
-    result[0, :, 3] = -0.5 * np.log2(count * density)
+    result[0, :, 3] = -0.5 * np.log2(
+        np.maximum(count * density, 1.0 / (4.0 * np.pi))
+    )  # the sphere at the most
     result[1, :, :3] = weights
     return result.astype(np.float32)
