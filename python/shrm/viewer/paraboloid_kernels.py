@@ -99,7 +99,7 @@ def _filter(which: Which, radius: float, size: int, largest_kernel: int) -> Filt
 
 
 def clamp_angle(profile: Profile, clamp: float) -> float:
-    """Return the angle from which on a lobe is below a part of its maximum in all channels; 0 of a black one."""
+    """Return the angle from which on all channels are below a part of the maximum; 0 if the lobe is black."""
 
     def height(theta: FloatArray) -> FloatArray:
         return np.asarray(np.abs(channels_last(profile(np.cos(theta)))).max(axis=1))
