@@ -1,11 +1,12 @@
-// A lat-long environment as core.hpp has it, its first row about +z: radiance times solid angle, and solid angle.
+// A lat-long environment as core.hpp has it, its first row about +z: radiance times solid angle, and solid
+// angle.
 const float pi = 3.14159265358979;
 
 uniform sampler2D environment;
-uniform int most_columns;  // that are taken; of a constant some compilers make as many look-ups for every texel
+uniform int most_columns;  // of a constant some compilers make as many look-ups for every texel
 
-// The mean over about `extent` radians round a direction. Columns are narrower than rows by the sine: beside the
-// poles, several are taken along the row.
+// The mean over about `extent` radians round a direction. Columns are narrower than rows by the sine:
+// beside the poles, several are taken along the row.
 vec3 light_within(vec3 d, float extent) {
     vec2 size = vec2(textureSize(environment, 0));
     float sine = length(d.xy), level = max(0.0, log2(extent * size.y / pi));

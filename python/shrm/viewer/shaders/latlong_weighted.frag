@@ -1,5 +1,6 @@
-// A lat-long picture, each texel times its solid angle, and that beside it: sums of both, over any texels, give the
-// mean radiance. A plain mip-map would make much of the rows beside the poles, which are hardly there.
+// A lat-long picture, each texel times its solid angle, and that beside it: sums of both, over any texels,
+// give the mean radiance. A plain mip-map would make much of the rows beside the poles, which are hardly
+// there.
 #version 330 core
 
 const float pi = 3.14159265358979;

@@ -1,7 +1,7 @@
-// A lobe about each texel's direction as a sum over taps, each the mean of the light over its solid angle: filtered
-// importance sampling (Krivanek and Colbert, GPU Gems 3, chapter 20).
+// A lobe about each texel's direction as a sum over taps, each the mean of the light over its solid angle:
+// filtered importance sampling (Krivanek and Colbert, GPU Gems 3, chapter 20).
 uniform sampler2DArray light;
-uniform sampler2D taps;  // first row: direction about +z, log2 of the root of the solid angle; second row: weights
+uniform sampler2D taps;  // a row of directions about +z and log2 of the root of solid angles, one of weights
 uniform int count;
 uniform float last_level;
 

@@ -1,5 +1,5 @@
-// A paraboloid's texel as the mean of the environment over it: samples x samples places, each of which takes the
-// light within its part.
+// A paraboloid's texel as the mean of the environment over it: samples x samples places, each of which
+// takes the light within its part.
 uniform float side;
 uniform int samples;  // to a side
 

@@ -1,5 +1,5 @@
-// A shrunk map, a level of the mip-map, filtered with a kernel in texture space [KVHS00 section 5.2, steps 6, 8].
-// Beyond the border the outermost texels go on.
+// A shrunk map, a level of the mip-map, filtered with a kernel in texture space [KVHS00 section 5.2, steps
+// 6, 8]. Beyond the border the outermost texels go on.
 uniform sampler2DArray light;
 uniform sampler2D kernel;
 uniform int level;
@@ -11,7 +11,8 @@ void main() {
     for (int row = 0; row < size.y; ++row)
         for (int column = 0; column < size.x; ++column) {
             ivec2 at = clamp(corner + ivec2(column, row), ivec2(0), last);
-            sum += texelFetch(kernel, ivec2(column, row), 0).rgb * texelFetch(light, ivec3(at, layer), level).rgb;
+            vec3 seen = texelFetch(light, ivec3(at, layer), level).rgb;
+            sum += texelFetch(kernel, ivec2(column, row), 0).rgb * seen;
         }
     store(sum);
 }
