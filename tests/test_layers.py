@@ -47,8 +47,8 @@ PYTHON_ORDER = [
     ["render"],
     ["export"],
     ["demo"],
-    ["reproduce"],
     ["viewer"],
+    ["reproduce"],
     ["cli"],
 ]
 

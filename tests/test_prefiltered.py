@@ -115,10 +115,10 @@ def test_miller_and_heidrich_s_material_takes_two_maps(env):
 def test_a_white_light_shows_the_albedo(technique):
     """Energy: approximations keep what is reflected of it, for every view."""
     white = Environment(np.ones((32, 64, 3), np.float32))
-    for material in (brdf.GGX(0.2), brdf.MillerHeidrich(0.5, 20), brdf.Lambert(0.7)):
-        found = prefilter(white, material, technique, size=16, layout="cube", error=0.005)
-        cosine = np.einsum("nc,nc->n", N, V)
-        inside = cosine > 0.3  # twelve views are far apart at grazing ones
+    cosine = np.einsum("nc,nc->n", N, V)
+    inside = np.flatnonzero(cosine > 0.3)[:24]  # twelve views are far apart at grazing ones
+    for material in (brdf.GGX(0.3), brdf.MillerHeidrich(0.5, 20), brdf.Lambert(0.7)):
+        found = prefilter(white, material, technique, size=8, layout="cube", error=0.005)
         expected = brdf.directional_albedo(material, cosine[inside])
         got = found.radiance(N[inside], V[inside])[:, 0]
         assert oracles.relative_rms(got, np.ravel(expected)) < (0.05 if technique == "cabral" else 0.015)

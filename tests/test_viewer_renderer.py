@@ -12,6 +12,7 @@ from shrm import ReflectionMap, brdf, prefilter
 from shrm.environment import Environment
 from shrm.explicit import without_azimuth
 from shrm.prefiltered import Prefiltered, twelve_views
+from shrm.prefiltered import prefilter as prefilter_explicit
 from shrm.reference import prefilter_angular
 from shrm.render import Camera, Mesh, Object, Sphere, environment_lookup, render
 from shrm.viewer import Context, ContextError, Renderer, Scene, offscreen
@@ -115,6 +116,29 @@ def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, method
     assert compared(renderer, scene) < LARGEST[viewer]
     turned = replace(scene, camera=Camera((1.0, -3.0, 2.5), fov=32.0))  # another triangle of views
     assert compared(renderer, turned) < LARGEST[viewer]
+
+
+@pytest.mark.parametrize("viewer", ["near", "distant"])
+@pytest.mark.parametrize(
+    ("material", "technique"),
+    [
+        (brdf.Lambert((0.8, 0.5, 0.2)) + brdf.Phong(20), "kautz-mccool-3d"),
+        (brdf.GGX(0.3, (1.0, 0.7, 0.3)), "kautz-mccool-3d"),
+        (brdf.GGX(0.3, (1.0, 0.7, 0.3)), "kautz-mccool-2d"),
+        (brdf.MillerHeidrich((0.6, 0.4, 0.1), 20), "kautz-mccool-2d"),
+        (brdf.GGX(0.4), "miller-heidrich"),
+        (brdf.GGX(0.4), "cabral"),
+        (brdf.Banks(0.5), "kautz-mccool-3d"),
+    ],
+    ids=lambda value: str(getattr(value, "name", value)),
+)
+def test_prefiltered_maps_of_all_classes_are_those_of_the_cpu(renderer, material, technique, viewer):
+    maps = prefilter_explicit(
+        light("daylight"), material, technique, slices=9, lobes=2, size=32, layout="cube"
+    )
+    scene = Scene([Object(Sphere(), maps), Object(torus(), maps)], CAMERA, None, viewer)
+    # A dynamic map holds products of layers and shares, a near viewer's pixels look both up.
+    assert compared(renderer, scene) < (1e-4 if viewer == "near" else 0.02)
 
 
 @pytest.mark.parametrize("method", [lambda rm: rm, twelve_views], ids=["SHRM", "12 views"])

@@ -52,6 +52,12 @@ class FactoredLobe:
     lobe: RadialLobe
 
 
+def factor_at(factor: Array, theta_v: Array) -> Array:
+    """Return a factor (T, channels) over [0, pi/2] for angles theta_v, linear in between; (n, channels)."""
+    k, t = _cell(np.clip(theta_v / (np.pi / 2), 0.0, 1.0) * (len(factor) - 1), len(factor))
+    return np.asarray((1.0 - t)[:, None] * factor[k] + t[:, None] * factor[k + 1])
+
+
 def symmetric(lobe: Lobe) -> ZonalLobe:
     """Return the lobe symmetric about R that is nearest to another for every view: its mean over azimuth.
 
@@ -115,6 +121,11 @@ def factored(lobe: Lobe, lobes: int = 1) -> tuple[FactoredLobe, ...]:
         )
         for k in range(lobes)
     )
+
+
+def as_factored(lobe: Lobe) -> FactoredLobe:
+    """Return a radial lobe with the factor 1, any other as the nearest factored lobe; see `factored`."""
+    return FactoredLobe(np.ones((2, 1)), lobe) if isinstance(lobe, RadialLobe) else factored(lobe)[0]
 
 
 def factored_phong(lobe: Lobe) -> tuple[FactoredLobe]:

@@ -27,7 +27,7 @@ from shrm.central_direction import gamma_at, gamma_table
 from shrm.environment import Environment
 from shrm.explicit import fit
 from shrm.icosahedral import icosahedron, weights
-from shrm.kautz_mccool import FactoredLobe, factored, symmetric
+from shrm.kautz_mccool import FactoredLobe, factor_at, factored, symmetric
 from shrm.lobe_integrals import across, central_directions, normals_of
 from shrm.prefiltered.layers import (
     Y00,
@@ -292,12 +292,9 @@ class KautzMcCool2D(PrefilteredMap):
 
     def shares(self, theta_o: FloatArray, views: FloatArray) -> FloatArray:
         """See `PrefilteredMap.shares`."""
-        last = self.factors.shape[1] - 1
-        place = np.clip(theta_o / largest_angle(self.center), 0.0, 1.0) * last
-        low = np.minimum(place.astype(int), last - 1)
-        t = (place - low)[:, None]
-        mixed = (1 - t) * self.factors[:, low] + t * self.factors[:, low + 1]  # (K, n, channels)
-        return np.asarray(np.broadcast_to(mixed.transpose(1, 0, 2), (len(place), len(mixed), 3)))
+        theta_v = theta_o * (np.pi / 2 / largest_angle(self.center))
+        of_layers = np.stack([factor_at(factor, theta_v) for factor in self.factors], axis=1)
+        return np.asarray(np.broadcast_to(of_layers, (*of_layers.shape[:2], 3)))
 
     @classmethod
     def prefilter(cls, env: Environment, brdf: BRDF, *, lobes: int = 1, **options: Any) -> KautzMcCool2D:

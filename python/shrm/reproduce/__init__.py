@@ -29,6 +29,10 @@ MODULES = (
     "figure_9",
     "figure_10",
     "kautz_table_1",
+    "kautz_table_2",
+    "kautz_figure_3",
+    "kautz_figure_4",
+    "kautz_figure_5",
 )
 """In the papers' order. A module is imported when its result is made: plots are slow to load."""
 

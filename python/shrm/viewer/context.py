@@ -93,6 +93,11 @@ def leave() -> None:
             current.gl.mglo.__exit__(None, None, None)
 
 
+def leave_framebuffers(gl: moderngl.Context) -> None:
+    """Draw into none that was made: of one that is drawn into when it is freed, the next call is a fault."""
+    (gl.screen or gl.detect_framebuffer(0)).use()
+
+
 def _current() -> Context | None:
     return getattr(_thread, "current", None)
 

@@ -1,5 +1,7 @@
 """Maps on the GPU: one dynamic cube map for a distant viewer, all maps of a lobe for a near one.
 
+Lobes of fixed shape need neither: a dual-paraboloid map serves all viewers.
+
 References
 ----------
 [RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
@@ -19,6 +21,7 @@ from shrm.prefiltered.layers import Y00, largest_angle
 from shrm.reflection_map import Part
 from shrm.render.camera import FloatArray
 from shrm.rings import Float32Array
+from shrm.viewer.paraboloid import ParaboloidMap, RadialCenter
 from shrm.viewer.programs import Maps
 
 CENTERS: dict[Center, int] = {"reflection": 0, "normal": 1, "tangent": 2, "lobe": 3}
@@ -39,13 +42,19 @@ def as_cube(part: Part, size: int) -> Part:
     return part.resized(size, "cube")
 
 
+def factors_texture(gl: moderngl.Context, factors: FloatArray) -> moderngl.Texture:
+    """Factors (K, T, 1 or 3) over theta_v as a texture of K rows."""
+    K, T = factors.shape[:2]
+    return gl.texture((T, K), 3, np.broadcast_to(factors, (K, T, 3)).astype("f4").tobytes(), dtype="f4")
+
+
 class Lobe(ABC):
-    """The maps of one lobe, as textures that are made when they are first drawn with.
+    """The maps of one lobe, as textures.
 
     Attributes
     ----------
-    near : Maps
-        The program that draws it for a near viewer.
+    near, distant : Maps
+        The programs that draw it for a near and for a distant viewer.
     gamma : moderngl.Texture
         The angle between C and N over theta_v, one row.
     uniforms : dict
@@ -53,12 +62,42 @@ class Lobe(ABC):
     """
 
     near: Maps
+    distant: Maps
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl = gl
+        self.gamma = self._gamma(np.zeros(2))
+        self.uniforms: dict[str, Any] = {}
+
+    def _gamma(self, table: FloatArray) -> moderngl.Texture:
+        return self._gl.texture((len(table), 1), 1, table.astype(np.float32).tobytes(), dtype="f4")
+
+    def bind(self) -> None:
+        """Put what its shader looks up where it looks, but for the maps."""
+        self.gamma.use(1)
+
+    @abstractmethod
+    def dynamic(self, view: FloatArray) -> moderngl.TextureCube | moderngl.TextureArray:
+        """Return the map for a distant viewer, view (1, 3) unit."""
+
+    @abstractmethod
+    def layered(self) -> moderngl.TextureArray:
+        """Return all maps, for a near viewer."""
+
+    def release(self) -> None:
+        """Free what it holds on the GPU."""
+        self.gamma.release()
+
+
+class CubeLobe(Lobe):
+    """The cube maps of one lobe, made when they are first drawn with."""
+
+    distant = "dynamic"
 
     def __init__(self, gl: moderngl.Context, size: int) -> None:
         """`size` is the edge of the faces that lat-long maps are made anew for."""
-        self._gl, self._size = gl, size
-        self.gamma = self._gamma(np.zeros(2))
-        self.uniforms: dict[str, Any] = {}
+        super().__init__(gl)
+        self._size = size
         self._dynamic: moderngl.TextureCube | None = None
         self._layered: moderngl.TextureArray | None = None
         self._written = False  # whether `_layered` holds the maps
@@ -73,11 +112,8 @@ class Lobe(ABC):
         if self._pixels.shape != part.shape:
             self._pixels = np.empty(part.shape, np.float32)
 
-    def _gamma(self, table: FloatArray) -> moderngl.Texture:
-        return self._gl.texture((len(table), 1), 1, table.astype(np.float32).tobytes(), dtype="f4")
-
     def dynamic(self, view: FloatArray) -> moderngl.TextureCube:
-        """Return the map for a distant viewer, view (1, 3) unit, an ordinary cube map [RH02 eq. 12]."""
+        """Return the map for a distant viewer, an ordinary cube map [RH02 eq. 12]."""
         N = self._pixels.shape[1]
         if self._dynamic is None:
             self._dynamic = self._gl.texture_cube((N, N), 3, dtype="f4")
@@ -88,7 +124,7 @@ class Lobe(ABC):
         return self._dynamic
 
     def layered(self) -> moderngl.TextureArray:
-        """Return all maps, with their borders, for a near viewer: layer face * maps + z."""
+        """Return all maps, with their borders: layer face * maps + z."""
         if not self._written:
             rings = self._rings()
             maps, side = rings.shape[1], rings.shape[3]
@@ -107,10 +143,6 @@ class Lobe(ABC):
         assert self._layered is not None
         return self._layered
 
-    def bind(self) -> None:
-        """Put what its shader looks up where it looks, but for the maps."""
-        self.gamma.use(1)
-
     @abstractmethod
     def _sum(self, view: FloatArray, pixels: Float32Array) -> None:
         """Put the map for a view into pixels (6, N, N, 3)."""
@@ -121,12 +153,13 @@ class Lobe(ABC):
 
     def release(self) -> None:
         """Free what it holds on the GPU."""
-        for texture in (self.gamma, self._dynamic, self._layered):
+        super().release()
+        for texture in (self._dynamic, self._layered):
             if texture is not None:
                 texture.release()
 
 
-class LobeMaps(Lobe):
+class LobeMaps(CubeLobe):
     """The coefficient maps of a SHRM's lobe."""
 
     near = "factored"
@@ -147,7 +180,7 @@ class LobeMaps(Lobe):
         return np.asarray(self._part.rings, np.float32)
 
 
-class LayeredLobe(Lobe):
+class LayeredLobe(CubeLobe):
     """The layers of a prefiltered map."""
 
     near = "layered"
@@ -172,8 +205,7 @@ class LayeredLobe(Lobe):
         )
         if self._factors is not None:
             self._factors.release()
-        rgb = np.broadcast_to(factors, (*factors.shape[:2], 3)).astype(np.float32)
-        self._factors = self._gl.texture(rgb.shape[1::-1], 3, rgb.tobytes(), dtype="f4")
+        self._factors = factors_texture(self._gl, factors)
         self._places: tuple[FloatArray, Float32Array] | None = None
 
     def bind(self) -> None:
@@ -214,3 +246,67 @@ class LayeredLobe(Lobe):
 SLICED = 0
 SHARES: dict[type, int] = {Diffuse: 1, Phong: 1, KautzMcCool2D: 1, Cabral: 2}
 """How layered_map.glsl finds shares."""
+
+
+class ParaboloidLobe(Lobe):
+    """A lobe's dual-paraboloid map, for all viewers.
+
+    Parameters
+    ----------
+    gl : moderngl.Context
+    center : {"reflection", "normal"}
+    border : int
+        Texels beyond the disc.
+    factor : (T, 1 or 3) float64
+        What the map is multiplied by, over theta_v.
+    texture : moderngl.TextureArray
+        Two layers, and the caller's to release.
+    """
+
+    near = distant = "paraboloid"
+
+    def __init__(
+        self,
+        gl: moderngl.Context,
+        center: RadialCenter,
+        border: int,
+        factor: FloatArray,
+        texture: moderngl.TextureArray,
+    ) -> None:
+        super().__init__(gl)
+        self._texture, self._factors = texture, factors_texture(gl, factor[None])
+        self.uniforms = {"center": CENTERS[center], "border": border, "factors": 3}
+
+    def bind(self) -> None:
+        """Put what its shader looks up where it looks."""
+        super().bind()
+        self._factors.use(3)
+
+    def release(self) -> None:
+        """Free what it holds on the GPU."""
+        super().release()
+        self._factors.release()
+
+    def dynamic(self, view: FloatArray) -> moderngl.TextureArray:
+        """Return the map, which does not depend on the view."""
+        return self._texture
+
+    def layered(self) -> moderngl.TextureArray:
+        """Return the map."""
+        return self._texture
+
+
+class UploadedParaboloidLobe(ParaboloidLobe):
+    """A lobe's dual-paraboloid map from an array."""
+
+    def __init__(self, gl: moderngl.Context, part: ParaboloidMap) -> None:
+        side = part.pixels.shape[1]
+        texture = gl.texture_array((side, side, 2), 3, part.pixels, dtype="f4")
+        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        texture.repeat_x = texture.repeat_y = False
+        super().__init__(gl, part.center, part.border, part.factor, texture)
+
+    def release(self) -> None:
+        """Free what it holds on the GPU."""
+        super().release()
+        self._texture.release()

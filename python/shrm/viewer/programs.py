@@ -12,7 +12,7 @@ import numpy as np
 from shrm.icosahedral import coordinates, faces, icosahedron
 
 Surface = Literal["mesh", "tangent_mesh", "sphere"]
-Maps = Literal["dynamic", "factored", "layered"]
+Maps = Literal["dynamic", "factored", "layered", "paraboloid"]
 
 
 @lru_cache
@@ -23,8 +23,8 @@ def source(name: str) -> str:
 
 def object_program(gl: moderngl.Context, surface: Surface, maps: Maps) -> moderngl.Program:
     """Return the program that draws one lobe of an object."""
-    bordered = () if maps == "dynamic" else ("bordered_maps.glsl",)
-    looked_up = ("central_direction.glsl", *bordered, f"{maps}_map.glsl")
+    basis = {"dynamic": (), "paraboloid": ("paraboloid.glsl",)}.get(maps, ("bordered_maps.glsl",))
+    looked_up = ("central_direction.glsl", *basis, f"{maps}_map.glsl")
     shape = "sphere" if surface == "sphere" else "mesh"
     parts = ("surface.glsl", f"{shape}.glsl", *looked_up, "object.frag")
     head = ["#version 330 core", *(["#define TANGENTS"] if surface == "tangent_mesh" else [])]
@@ -40,6 +40,14 @@ def object_program(gl: moderngl.Context, surface: Surface, maps: Maps) -> modern
 def screen_program(gl: moderngl.Context, name: str) -> moderngl.Program:
     """Return a program that fills the picture: its fragments are those of `name`."""
     return gl.program(vertex_shader=source("screen.vert"), fragment_shader=source(name))
+
+
+def layers_program(gl: moderngl.Context, *parts: str) -> moderngl.Program:
+    """Return a program that fills all layers of a target: its fragments are those of the parts together."""
+    fragment = "\n".join(["#version 330 core", *map(source, parts)])
+    return gl.program(
+        vertex_shader=source("layers.vert"), geometry_shader=source("layers.geom"), fragment_shader=fragment
+    )
 
 
 def set_arrays(program: moderngl.Program, **values: np.ndarray) -> None:

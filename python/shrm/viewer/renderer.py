@@ -7,24 +7,29 @@ References
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import moderngl
 import numpy as np
 
-from shrm.environment import Environment
 from shrm.prefiltered import Prefiltered, PrefilteredMap
 from shrm.reflection_map import ReflectionMap
 from shrm.render.camera import FloatArray
 from shrm.render.picture import FloatPixels, Lighting, Object, Picture
 from shrm.rings import BORDER
 from shrm.validation import whole_number
-from shrm.viewer.context import Context, ContextError, offscreen
+from shrm.viewer.context import Context, ContextError, leave_framebuffers, offscreen
+from shrm.viewer.environment_texture import EnvironmentTexture, largest_texture
 from shrm.viewer.geometry import Geometry, clip_from_world
-from shrm.viewer.maps import LayeredLobe, Lobe, LobeMaps
+from shrm.viewer.hardware_prefilter import HardwarePrefilter
+from shrm.viewer.maps import LayeredLobe, Lobe, LobeMaps, ParaboloidLobe, UploadedParaboloidLobe
+from shrm.viewer.paraboloid import ParaboloidMaps
 from shrm.viewer.programs import Maps, Surface, object_program, screen_program, set_uniforms
 from shrm.viewer.resources import Resources
 from shrm.viewer.scene import Scene
+
+Drawn = ReflectionMap | Prefiltered | ParaboloidMaps | HardwarePrefilter
 
 SEAMLESS = 0x884F  # GL_TEXTURE_CUBE_MAP_SEAMLESS
 LARGEST = 16384
@@ -129,6 +134,7 @@ class Renderer:
         if released:
             return
         self.context.activate()
+        leave_framebuffers(self.gl)
         self.resources.release()
         for program in (*self._programs.values(), self._background):
             program.release()
@@ -179,7 +185,9 @@ class Renderer:
         self, scene: Scene, light: Lighting, aspect: float, shift: tuple[float, float]
     ) -> None:
         gl, camera = self.gl, scene.camera
-        texture = self.resources.get("background", light.pixels, lambda pixels: _Environment(gl, pixels))
+        texture = self.resources.get(
+            "background", light.pixels, lambda pixels: EnvironmentTexture(gl, pixels)
+        )
         right, up, forward = camera.axes
         reach = 0.0 if camera.height is not None else float(np.tan(np.radians(camera.fov) / 2.0))
         texture.texture.use(0)
@@ -203,9 +211,10 @@ class Renderer:
         material = thing.material
         if isinstance(material, PrefilteredMap):
             material = Prefiltered((material,))
-        if not isinstance(material, ReflectionMap | Prefiltered):
+        if not isinstance(material, Drawn):
             raise TypeError(
-                "a material must be a shrm.ReflectionMap or of shrm.prefiltered to be drawn by the GPU, got "
+                "a material must be a shrm.ReflectionMap, of shrm.prefiltered, or one of shrm.viewer's "
+                "HardwarePrefilter and ParaboloidMaps to be drawn by the GPU, got "
                 f"{type(material).__name__}"
             )
         lobes = self._lobes(index, material)
@@ -214,7 +223,7 @@ class Renderer:
         if thing.texture is not None:
             picture = get(("texture", index), thing.texture, lambda pixels: _texture(gl, pixels))
         picture.use(2)
-        program = self._program(shape, "dynamic" if eye["distant"] else lobes[0].near)
+        program = self._program(shape, lobes[0].distant if eye["distant"] else lobes[0].near)
         set_uniforms(
             program,
             **eye,
@@ -243,8 +252,10 @@ class Renderer:
         gl.depth_func = "<"
         target.depth_mask = True
 
-    def _lobes(self, index: int, material: ReflectionMap | Prefiltered) -> list[Lobe]:
+    def _lobes(self, index: int, material: Drawn) -> list[Lobe]:
         """The maps of an object's lobes on the GPU."""
+        if isinstance(material, ParaboloidMaps | HardwarePrefilter):
+            return self._paraboloids(index, material)
         gl, size, get = self.gl, self.map_size, self.resources.get
         lobes: list[Lobe] = []
         if isinstance(material, ReflectionMap):
@@ -257,6 +268,26 @@ class Renderer:
                 lobes.append(get(key, one, lambda one: LayeredLobe(gl, one, size), LayeredLobe.renew))
         return lobes
 
+    def _paraboloids(self, index: int, material: ParaboloidMaps | HardwarePrefilter) -> list[Lobe]:
+        """The dual-paraboloid maps of an object's lobes, uploaded or as they were filtered on the GPU."""
+        gl, get = self.gl, self.resources.get
+        if isinstance(material, ParaboloidMaps):
+            upload = partial(UploadedParaboloidLobe, gl)
+            return [get(("paraboloid", index, k), found, upload) for k, found in enumerate(material.maps)]
+        if material.context is not self.context:
+            raise ValueError(
+                "a HardwarePrefilter must have the renderer's context to be drawn by it: make it with "
+                "context=renderer.context"
+            )
+        return [
+            get(
+                ("filtered", index, k, lobe.center),
+                lobe.faces.texture,
+                partial(ParaboloidLobe, gl, lobe.center, material.border, lobe.factor),
+            )
+            for k, lobe in enumerate(material.lobes)
+        ]
+
     def _program(self, shape: Geometry, maps: Maps) -> moderngl.Program:
         key = shape.surface, maps
         if key not in self._programs:
@@ -264,37 +295,13 @@ class Renderer:
         return self._programs[key]
 
 
-class _Environment:
-    """A lat-long picture on the GPU, and the mean radiance of its first and last row.
-
-    Where it is larger than a texture can be, it is averaged down to fit.
-    """
-
-    def __init__(self, gl: moderngl.Context, pixels: FloatPixels) -> None:
-        H, W = (min(side, _largest_texture(gl)) for side in pixels.shape[:2])
-        if pixels.shape[:2] != (H, W):
-            pixels = Environment(pixels).resized(H, W).pixels
-        self.texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels, np.float32), dtype="f4")
-        self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        self.texture.repeat_x, self.texture.repeat_y = True, False
-        self.poles = [tuple(map(float, pixels[row].mean(axis=0))) for row in (0, -1)]
-
-    def release(self) -> None:
-        self.texture.release()
-
-
 def _texture(gl: moderngl.Context, pixels: FloatPixels) -> moderngl.Texture:
     """A repeating picture, (u, v) = (0, 1) its upper left corner."""
     H, W = pixels.shape[:2]
-    if max(H, W) > _largest_texture(gl):
+    if max(H, W) > largest_texture(gl):
         raise ValueError(
-            f"a texture of {W} x {H} texels cannot be drawn: at most {_largest_texture(gl)} to a side here"
+            f"a texture of {W} x {H} texels cannot be drawn: at most {largest_texture(gl)} to a side here"
         )
     texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels[::-1], np.float32), dtype="f4")
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
     return texture
-
-
-def _largest_texture(gl: moderngl.Context) -> int:
-    """Texels to a side."""
-    return int(gl.info["GL_MAX_TEXTURE_SIZE"])

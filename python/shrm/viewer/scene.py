@@ -21,7 +21,8 @@ class Scene:
     Parameters
     ----------
     objects : sequence of shrm.render.Object
-        Their materials are reflection maps (`shrm.ReflectionMap`), or of `shrm.prefiltered`.
+        Their materials are reflection maps (`shrm.ReflectionMap`), maps of `shrm.prefiltered`, or
+        dual-paraboloid maps (`shrm.viewer.ParaboloidMaps`, `shrm.viewer.HardwarePrefilter`).
     camera : shrm.render.Camera
     background : shrm.Environment, optional
         What is seen behind the objects; black without one.

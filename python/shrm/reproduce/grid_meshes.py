@@ -1,0 +1,46 @@
+"""Meshes that are bent grids: the torus and the sphere of [KVHS00] section 5.2.
+
+References
+----------
+[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
+    Maps. Eurographics Workshop on Rendering 2000.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shrm.brdf.lobe import FloatArray
+from shrm.render import Mesh
+
+
+def torus(tilt: float = 0.0, tube: float = 0.4, around: int = 96, rings: int = 48) -> Mesh:
+    """Return a torus of radius 1 with smooth normals; its axis is turned from +z towards +x, in degrees."""
+    a, b = _grid(around, rings)
+    outward = np.stack([np.cos(a) * np.cos(b), np.sin(a) * np.cos(b), np.sin(b)], axis=1)
+    middle = np.stack([np.cos(a), np.sin(a), np.zeros_like(a)], axis=1)
+    c, s = np.cos(np.radians(tilt)), np.sin(np.radians(tilt))
+    R = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(around), np.arange(rings), indexing="ij"))
+    corners = [(x % around) * rings + y % rings for x, y in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+    faces = [np.stack([corners[k] for k in triangle], axis=1) for triangle in ((0, 1, 2), (0, 2, 3))]
+    return Mesh((middle + tube * outward) @ R.T, np.concatenate(faces), outward @ R.T)
+
+
+def _grid(around: int, rings: int) -> tuple[FloatArray, FloatArray]:
+    a, b = np.meshgrid(np.arange(around) / around, np.arange(rings) / rings, indexing="ij")
+    return 2 * np.pi * a.ravel(), 2 * np.pi * b.ravel()
+
+
+def ball(around: int = 36, bands: int = 37) -> Mesh:
+    """Return a unit sphere of 2 around (bands - 1) triangles, by default the paper's 2592."""
+    theta, phi = np.pi * np.arange(bands + 1) / bands, 2 * np.pi * np.arange(around) / around
+    t, p = (angle.ravel() for angle in np.meshgrid(theta, phi, indexing="ij"))
+    outward = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=1)
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(bands), np.arange(around), indexing="ij"))
+    corners = [x * around + y % around for x, y in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+    lower = np.stack([corners[k] for k in (0, 1, 2)], axis=1)[
+        i < bands - 1
+    ]  # beside a pole one of both is a line
+    upper = np.stack([corners[k] for k in (0, 2, 3)], axis=1)[i > 0]
+    return Mesh(outward, np.concatenate([lower, upper]), outward)
