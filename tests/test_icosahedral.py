@@ -7,7 +7,7 @@ from directions import sphere
 from light import band_limited_environment
 from shrm import brdf, prefilter
 from shrm.icosahedral import faces, icosahedron, solid_angle, weights
-from shrm.prefiltered import Cabral, twelve_views
+from shrm.prefiltered import Cabral, of_reflection_map
 from shrm.reference import AngularReflection, integrate, prefilter_angular
 from shrm.reproduce.comparison import Frames
 
@@ -84,7 +84,7 @@ def test_of_a_shrm_they_are_its_maps_at_their_views(layout):
     """Borders included: every look-up is the SHRM's own, up to the rounding of sums of few float32 terms."""
     material = brdf.GGX(0.4) + 0.3 * brdf.Lambert(0.5)
     rm = prefilter(band_limited_environment(5, seed=7), material, orders=(5, 3), size=12, layout=layout)
-    maps = twelve_views(rm)
+    maps = of_reflection_map(rm, material, "cabral")
     assert [len(one.layers) for one in maps.lobes] == [12, 12]
     for V in icosahedron():
         N = sphere(200, seed=8)
@@ -96,12 +96,13 @@ def test_of_a_shrm_they_are_its_maps_at_their_views(layout):
 @pytest.mark.parametrize("layout", ["latlong", "cube"])
 def test_about_the_tangent_they_are_the_shrm_s_at_texels(layout):
     """Borders included; in between they interpolate what the SHRM knows for each angle between C and V."""
-    rm = prefilter(
-        band_limited_environment(5, seed=7), brdf.KajiyaKay(8), orders=(5, 3), size=12, layout=layout
-    )
+    material = brdf.KajiyaKay(8)
+    rm = prefilter(band_limited_environment(5, seed=7), material, orders=(5, 3), size=12, layout=layout)
     (part,) = rm.parts
     C = part.ring_directions().reshape(-1, 3)
-    for layer, V in zip(twelve_views(rm).lobes[0].layers, icosahedron(), strict=True):
+    for layer, V in zip(
+        of_reflection_map(rm, material, "cabral").lobes[0].layers, icosahedron(), strict=True
+    ):
         expected = part.series(C, np.broadcast_to(V, C.shape).copy())
         found = layer.rings[:, 0].transpose(0, 2, 1).reshape(-1, 3) / np.sqrt(4 * np.pi)
         np.testing.assert_allclose(found, expected, atol=4e-6 * np.abs(expected).max())
@@ -109,7 +110,7 @@ def test_about_the_tangent_they_are_the_shrm_s_at_texels(layout):
 
 def test_between_views_they_are_blended():
     rm = prefilter(band_limited_environment(5, seed=9), brdf.GGX(0.4), orders=(5, 3), size=12)
-    maps = twelve_views(rm)
+    maps = of_reflection_map(rm, brdf.GGX(0.4), "cabral")
     N, V = oracles.random_views(100, seed=10)
     # Where each of the twelve views stands alone, at the same central directions.
     (cabral,) = maps.lobes

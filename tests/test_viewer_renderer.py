@@ -11,7 +11,7 @@ from data import require
 from shrm import ReflectionMap, brdf, prefilter
 from shrm.environment import Environment
 from shrm.explicit import without_azimuth
-from shrm.prefiltered import Prefiltered, twelve_views
+from shrm.prefiltered import Prefiltered, of_reflection_map
 from shrm.prefiltered import prefilter as prefilter_explicit
 from shrm.reference import prefilter_angular
 from shrm.render import Camera, Mesh, Object, Sphere, environment_lookup, render
@@ -107,15 +107,21 @@ def test_spheres_are_those_of_the_cpu(renderer, material, viewer, env):
     assert compared(renderer, scene) < LARGEST[viewer]
 
 
-@pytest.mark.parametrize("method", [without_azimuth, twelve_views], ids=["no azimuth", "12 views"])
+# A dynamic map holds products of layers and shares, a near viewer's pixels look both up.
+OF_LAYERS = {"near": 1e-4, "distant": 0.02}
+TECHNIQUES = ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"]
+
+
+@pytest.mark.parametrize("technique", [None, *TECHNIQUES])
 @pytest.mark.parametrize("viewer", ["near", "distant"])
 @pytest.mark.parametrize("material", [MATERIALS[1], MATERIALS[3]], ids=lambda material: material.name)
-def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, method):
+def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, technique):
     rm = prefilter(light("daylight"), material, orders=(12, 4), size=64, layout="cube")
-    scene = Scene([Object(Sphere(), method(rm)), Object(torus(), method(rm))], CAMERA, None, viewer)
-    assert compared(renderer, scene) < LARGEST[viewer]
+    maps = without_azimuth(rm) if technique is None else of_reflection_map(rm, material, technique)
+    scene = Scene([Object(Sphere(), maps), Object(torus(), maps)], CAMERA, None, viewer)
+    assert compared(renderer, scene) < OF_LAYERS[viewer]
     turned = replace(scene, camera=Camera((1.0, -3.0, 2.5), fov=32.0))  # another triangle of views
-    assert compared(renderer, turned) < LARGEST[viewer]
+    assert compared(renderer, turned) < OF_LAYERS[viewer]
 
 
 @pytest.mark.parametrize("viewer", ["near", "distant"])
@@ -137,12 +143,11 @@ def test_prefiltered_maps_of_all_classes_are_those_of_the_cpu(renderer, material
         light("daylight"), material, technique, slices=9, lobes=2, size=32, layout="cube"
     )
     scene = Scene([Object(Sphere(), maps), Object(torus(), maps)], CAMERA, None, viewer)
-    # A dynamic map holds products of layers and shares, a near viewer's pixels look both up.
-    assert compared(renderer, scene) < (1e-4 if viewer == "near" else 0.02)
+    assert compared(renderer, scene) < OF_LAYERS[viewer]
 
 
-@pytest.mark.parametrize("method", [lambda rm: rm, twelve_views], ids=["SHRM", "12 views"])
-def test_clamped_maps_are_clamped_lobe_by_lobe(renderer, method):
+@pytest.mark.parametrize("technique", [None, "cabral"])
+def test_clamped_maps_are_clamped_lobe_by_lobe(renderer, technique):
     material = brdf.KajiyaKay(8) + 0.2 * brdf.Lambert(0.5) + brdf.GGX(0.2)
     sun = np.full((32, 64, 3), 0.05, np.float32)
     sun[6, 20] = 200.0  # rings of negative radiance round it
@@ -150,7 +155,9 @@ def test_clamped_maps_are_clamped_lobe_by_lobe(renderer, method):
         prefilter(Environment(sun), material, orders=(12, 4), size=32, layout="cube", clamp=clamp)
         for clamp in (True, False)
     ]
-    clamped, plain = (Scene([Object(Sphere(), method(rm))], CAMERA, None, "near") for rm in maps)
+    if technique is not None:
+        maps = [of_reflection_map(rm, material, technique) for rm in maps]
+    clamped, plain = (Scene([Object(Sphere(), found)], CAMERA, None, "near") for found in maps)
     assert compared(renderer, clamped) < LARGEST["near"]
     assert oracles.relative_rms(renderer.render(clamped).radiance, renderer.render(plain).radiance) > 1e-3
 

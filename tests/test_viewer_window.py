@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from shrm import Environment
 from shrm.image_io import ImageWarning, read_image, write_image
 from shrm.render import display
+from shrm.viewer.app import METHODS
 from shrm.viewer.context import ContextError
 from shrm.viewer.state import UNTURNED, State
 from window_driver import GL, MIDDLE, SIZE, WHOLE_PANEL, WIDTH, Application, Opened, glfw, same
@@ -319,28 +321,46 @@ def test_integration_agrees_with_the_maps(opened: Opened) -> None:
 
 def test_methods_are_compared(opened: Opened) -> None:
     hands = opened(WHOLE_PANEL, materials=("ggx(alpha=0.4,f0=0.04)",), orders=(6, 4), viewer="near")
-    app, pictures = hands.app, [hands.look()]
-    hands.click("radial lobes (Kautz & McCool 2000)")
-    assert app.state.method == "kautz-mccool"
-    pictures.append(hands.look())
-    hands.press(glfw.KEY_M)
-    assert app.state.method == "cabral"
-    pictures.append(hands.look())
-    assert not any(same(pictures[i], pictures[j]) for i, j in ((0, 1), (0, 2), (1, 2)))
+    app, pictures = hands.app, {"shrm": hands.look()}
+    for method in METHODS[1:]:
+        hands.press(glfw.KEY_M)
+        assert app.state.method == method
+        pictures[method] = hands.look()
+    assert not any(same(pictures[a], pictures[b]) for a, b in combinations(METHODS, 2))
     hands.press(glfw.KEY_2)
-    answered, off = app.comparison.worker.answered, []
-    for _ in range(3):
+    answered, off = app.comparison.worker.answered, {}
+    for _ in METHODS:
         drawn, integrated = app.screen.drawn_picture(), app.screen.picture()
         inside = (drawn.coverage == 1.0) & (integrated.coverage == 1.0)
         difference = (drawn.radiance - integrated.radiance)[inside]
         expected = np.sqrt((difference**2).sum() / (integrated.radiance[inside] ** 2).sum())
         found = re.fullmatch(r"integrated: the maps are (.+) % off", app.comparison.says)
         assert found
-        off.append(float(found[1]))
-        assert off[-1] == pytest.approx(100 * expected, rel=0.06)  # two digits; half-covered pixels
-        hands.press(glfw.KEY_M)  # cabral, shrm, kautz-mccool
-    assert off[1] < min(off[0], off[2])
+        off[app.state.method] = float(found[1])
+        assert float(found[1]) == pytest.approx(100 * expected, rel=0.06)  # two digits; half-covered pixels
+        hands.press(glfw.KEY_M)
+    assert off["shrm"] == min(off.values())
+    assert off["kautz-mccool"] <= off["kautz-mccool-2d"]
+    assert max(off.values()) < 60.0
     assert app.comparison.worker.answered == answered  # the same integral serves all of them
+
+
+def test_the_gpu_filters_for_a_turned_light_and_refuses_hair(opened: Opened) -> None:
+    hands = opened(materials=("ggx(alpha=0.4)",), method="hardware", viewer="near")
+    before = hands.look()
+    hands.drag(glfw.MOUSE_BUTTON_RIGHT, MIDDLE, (MIDDLE[0] + 80, MIDDLE[1]))
+    hands.settle()
+    turned = hands.look()
+    assert not same(turned, before)
+    # As the SHRM turns: both are approximations of one picture.
+    hands.app.state = replace(hands.app.state, method="shrm")
+    hands.settle()
+    frequency = hands.look()
+    assert np.abs(frequency.astype(int) - turned).mean() < np.abs(frequency.astype(int) - before).mean()
+    hands.app.state = replace(hands.app.state, method="hardware", materials=("kajiya-kay(exponent=8)",))
+    hands.settle()
+    assert "about the tangent" in hands.app.fault
+    assert hands.app.state.method == "shrm"
 
 
 def test_more_maps_than_layers_are_said_and_the_viewer_goes_far(

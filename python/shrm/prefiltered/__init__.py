@@ -35,7 +35,7 @@ from shrm.prefiltered.maps import (
     Phong,
     PrefilteredMap,
 )
-from shrm.prefiltered.material import Prefiltered, Technique, prefilter, twelve_views
+from shrm.prefiltered.material import Prefiltered, Technique, of_reflection_map, prefilter
 
 __all__ = [
     "Anisotropic",
@@ -47,6 +47,6 @@ __all__ = [
     "Prefiltered",
     "PrefilteredMap",
     "Technique",
+    "of_reflection_map",
     "prefilter",
-    "twelve_views",
 ]

@@ -11,11 +11,14 @@ import numpy.typing as npt
 
 from shrm import sh
 from shrm.brdf import BRDF, Material
+from shrm.brdf.lobe import Lobe, ZonalLobe
+from shrm.brdf_analysis import analyse
+from shrm.central_direction import gamma_table
 from shrm.environment import Environment
 from shrm.icosahedral import icosahedron
-from shrm.kautz_mccool import factored, factored_phong
+from shrm.kautz_mccool import factored, factored_phong, symmetric
 from shrm.prefiltered import file
-from shrm.prefiltered.layers import Y00, Integrator, Layers
+from shrm.prefiltered.layers import Y00, Integrator, Layers, largest_angle, require_material
 from shrm.prefiltered.maps import (
     SLICES,
     Anisotropic,
@@ -143,23 +146,79 @@ class Prefiltered:
         return cls(file.load(path))
 
 
-def twelve_views(rm: ReflectionMap) -> Prefiltered:
-    """Return the maps that a SHRM has for Cabral's twelve views: between them it is not asked.
+def of_reflection_map(
+    rm: ReflectionMap, brdf: BRDF, technique: Technique, lobes: int = 1, slices: int = SLICES
+) -> Prefiltered:
+    """Return the maps that a SHRM's light has for a technique, on its grid: fast enough to follow changes.
 
     Parameters
     ----------
     rm : ReflectionMap
-        Of any material; each of its lobes gets twelve maps of its own, about its centre and on its grid,
-        which is a cube for maps that the GPU is to draw.
+        Cube maps, for maps that the GPU is to draw. Cabral's twelve maps are its own, for the twelve views.
+    brdf : BRDF
+        The material that it was prefiltered with.
+    technique, lobes, slices
+        As in `prefilter`.
 
     Raises
     ------
-    TypeError
-        If it is no reflection map.
+    TypeError, ValueError
+        If an argument is not as described, or the SHRM was fitted to pictures.
     """
     if not isinstance(rm, ReflectionMap):
         raise TypeError(f"rm must be a ReflectionMap, got {type(rm).__name__}")
-    return Prefiltered(tuple(Cabral(_at_vertices(part, rm.clamp), rm.brdf) for part in rm.parts))
+    require_material(brdf)
+    one_of("technique", technique, get_args(Technique))
+    if len(brdf.lobes) != len(rm.parts) or any(part.F < 0 for part in rm.parts):
+        raise ValueError(f"rm must have been prefiltered with {brdf.name}, got one of {rm.brdf}")
+    maps: list[PrefilteredMap] = []
+    for lobe, part in zip(brdf.lobes, rm.parts, strict=True):
+        if technique == "cabral":
+            maps.append(Cabral(_at_vertices(part, rm.clamp), rm.brdf))
+        elif lobe.kind == "radial":
+            cls = Diffuse if part.center == "normal" else Phong
+            maps.append(cls((_layer(part, part.rings),), rm.brdf))
+        elif technique == "kautz-mccool-3d" or lobe.center == "tangent":
+            found = symmetric(lobe)
+            sliced = Anisotropic if found.center == "tangent" else KautzMcCool3D
+            maps.append(sliced(_slices(part, found, rm.P, slices), rm.brdf))
+        else:
+            fit = factored_phong(lobe) if technique == "miller-heidrich" else factored(lobe, lobes)
+            layers = tuple(_expanded(part, one.lobe, 0) for one in fit)
+            layers = tuple(_layer(one, one.rings) for one in layers)
+            maps.append(KautzMcCool2D(layers, rm.brdf, np.stack([one.factor for one in fit])))
+    return Prefiltered(tuple(maps))
+
+
+def _expanded(part: Part, lobe: Lobe, P: int) -> Part:
+    """Zonal maps of another lobe for the light of a part, on its grid."""
+    of_lobe = analyse(lobe, part.F, P).coefficients(part.F, P)
+    rho = np.ascontiguousarray(np.broadcast_to(of_lobe, (*of_lobe.shape[:3], 3)))
+    gamma = gamma_table(lobe.center)
+    zonal = replace(part, center=lobe.center, gamma=gamma, zonal=True, rho=rho)
+    return zonal.resized(part.size, part.layout)
+
+
+def _slices(part: Part, lobe: ZonalLobe, P: int, slices: int) -> tuple[Part, ...]:
+    """Layers of a zonal lobe: its maps at angles between C and V [RH02 eq. 6]."""
+    zonal = _expanded(part, lobe, P)
+    angles = np.linspace(0.0, largest_angle(lobe.center), slices)
+    shares = zonal_harmonics(P, np.cos(angles)) / Y00
+    return tuple(
+        _layer(zonal, np.einsum("p,hpcw->hcw", share.astype(np.float32), zonal.rings)[:, None])
+        for share in shares
+    )
+
+
+def _layer(part: Part, rings: npt.NDArray[np.floating]) -> Part:
+    """A layer: one map, of P = 0, without coefficients."""
+    return replace(
+        part,
+        zonal=False,
+        light=np.zeros((0, 3)),
+        rho=np.zeros((0, 1, 1, 3)),
+        rings=np.ascontiguousarray(rings, np.float32),
+    )
 
 
 def _at_vertices(part: Part, clamp: bool) -> tuple[Part, ...]:
@@ -177,13 +236,4 @@ def _at_vertices(part: Part, clamp: bool) -> tuple[Part, ...]:
         of_views = list(np.tensordot(Y.astype(np.float32), rings, axes=(1, 1)))
     if clamp:
         of_views = [np.maximum(of_view, 0.0) for of_view in of_views]
-    return tuple(
-        replace(
-            part,
-            zonal=False,
-            light=np.zeros((0, 3)),
-            rho=np.zeros((0, 1, 1, 3)),
-            rings=np.ascontiguousarray(of_view[:, None] / np.float32(Y00), np.float32),
-        )
-        for of_view in of_views
-    )
+    return tuple(_layer(part, of_view[:, None] / np.float32(Y00)) for of_view in of_views)

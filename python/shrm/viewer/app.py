@@ -16,6 +16,7 @@ from shrm.render.tonemap import automatic_exposure
 from shrm.viewer.choices import MESHES, Action
 from shrm.viewer.comparison import Comparison
 from shrm.viewer.drag import Drag, begun, dragged
+from shrm.viewer.filtered import FilteredMaterials
 from shrm.viewer.geometry import bounds
 from shrm.viewer.integration import Question
 from shrm.viewer.keys import draw_keys
@@ -83,6 +84,7 @@ class Application:
         self.context = open_window(width, height, TITLE, visible)
         self.window = self.context.window
         self.renderer = Renderer(16, context=self.context)
+        self.filtered = FilteredMaterials(self.context)
         self.panel_shown, self.keys_shown = True, False
         self.screen = Screen(self.context.gl, *(max(1, side) for side in self._picture_extent()))
         self.controls = Controls(self.window)
@@ -150,6 +152,7 @@ class Application:
         self.context.activate()
         self.controls.close()
         self.screen.release()
+        self.filtered.release()
         self.renderer.release()
         self.context.release()
 
@@ -207,18 +210,25 @@ class Application:
             eye = (eye or Orbit()).fitted([bounds(shape) for shape in result.shapes], width / height)
             self.state, self._fit = replace(self.state, eye=eye), False
         background = result.environment if self.state.background else None
-        decides = (result.drawn, result.shapes, eye, self.state.viewer, width, height, background)
+        request = result.request
+        seen = (result.drawn, request.method, request.light, result.shapes)
+        decides = (*seen, eye, self.state.viewer, width, height, background)
         if decides != self._drawn:
             self._drawn, self.screen.samples = decides, 0
         sampled = not self.screen.complete
         if sampled:
-            pairs = zip(result.shapes, result.drawn, strict=True)
+            try:
+                materials = self.filtered.drawn_with(result)
+            except Faults as fault:
+                materials = result.drawn
+                self._say_fault(fault)
+                self._set(method="shrm")
             scene = Scene(
-                [Object(shape, material) for shape, material in pairs],
+                [Object(*pair) for pair in zip(result.shapes, materials, strict=True)],
                 eye.camera,
                 background,
                 self.state.viewer,
-                replace(self.state, light=result.request.light).R,
+                replace(self.state, light=request.light).R,
             )
             try:
                 self.renderer.draw(scene, self.screen.drawn, self.screen.shift)

@@ -52,15 +52,34 @@ METHODS: tuple[tuple[Method, str, str], ...] = (
     ),
     (
         "kautz-mccool",
-        "radial lobes (Kautz & McCool 2000)",
+        "round lobes (Kautz & McCool 2000, 3D)",
         "Fewer maps, P + 1: highlights are taken to be round. Good for Phong, "
-        "wrong for microfacets at grazing views.",
+        "wrong for microfacets at grazing views. About tangents (hair, brushed metal) they are exact: "
+        "the anisotropic maps of Kautz et al. 2000.",
+    ),
+    (
+        "kautz-mccool-2d",
+        "one round lobe (Kautz & McCool 2000, 2D)",
+        "A single map: highlights are round and keep their shape, and only their brightness changes with the "
+        "view.",
+    ),
+    (
+        "miller-heidrich",
+        "Phong lobe (Miller 1984, Heidrich 1999)",
+        "A single map of the Phong lobe that is nearest, times a Fresnel factor; matt parts have a map of "
+        "their own.",
     ),
     (
         "cabral",
         "12 views, blended (Cabral et al. 1999)",
         "Always 12 maps, of 12 fixed views; others are blended from the "
         "nearest three. Wrong where highlights move.",
+    ),
+    (
+        "hardware",
+        "filtered by the GPU (Kautz et al. 2000)",
+        "One round lobe, filtered in two passes over a small picture whenever the light changes: the fastest "
+        "on a graphics card, with some per cent of error.",
     ),
 )
 VIEWERS: tuple[tuple[Viewer, str, str], ...] = (

@@ -23,12 +23,14 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import moderngl
+import numpy as np
 import numpy.typing as npt
 
 from shrm.brdf.lobe import BRDF, RadialLobe
 from shrm.environment import Environment
 from shrm.kautz_mccool import FactoredLobe, as_factored
 from shrm.validation import number, one_of, whole_number
+from shrm.validation import rotation as require_rotation
 from shrm.viewer.context import Context, ContextError, offscreen
 from shrm.viewer.environment_texture import largest_texture
 from shrm.viewer.paraboloid import Float32Array, ParaboloidMap, ParaboloidMaps
@@ -41,6 +43,7 @@ METHODS: tuple[Method, ...] = ("exact", "two-pass", "one-pass")
 
 Source = Environment | moderngl.Texture | moderngl.TextureCube | moderngl.Framebuffer
 
+UNTURNED = np.eye(3)
 LARGEST_SIZE = 8192
 LARGEST_KERNEL = 63
 MOST_TAPS = 8192
@@ -142,7 +145,7 @@ class HardwarePrefilter:
                 used = self.filters[k] if self.method == "two-pass" else self.filters[k][:1]
                 self._lobes.append(KernelFilter(gl, lobe, faces, used, 0.5 * self.size))
 
-    def update(self, source: Source) -> None:
+    def update(self, source: Source, rotation: npt.ArrayLike = UNTURNED) -> None:
         """Filter an environment.
 
         Parameters
@@ -151,28 +154,31 @@ class HardwarePrefilter:
             A texture is of this context: a lat-long picture whose first row of texels is about +z, or a cube
             map with OpenGL's axes, +Z front (+x), +X right (-y), +Y up (+z). (Of a cube map without a mip-map
             each texel takes 8 x 8 samples at the most.) Of a framebuffer its first attachment is taken.
+        rotation : (3, 3) array_like, optional
+            R, by which it is turned before: L'(w) = L(R^T w).
 
         Raises
         ------
         ContextError
             If this was released.
         TypeError, ValueError
-            If it is none of these, or of another context.
+            If it is none of these, or of another context, or R no rotation.
         """
-        self.take(source)
+        self.take(source, rotation)
         self.filter()
 
-    def take(self, source: Source) -> None:
+    def take(self, source: Source, rotation: npt.ArrayLike = UNTURNED) -> None:
         """Make the unfiltered map of an environment: the first half of `update`."""
+        R = require_rotation("rotation", rotation)
         self._activate()
         attached = source.color_attachments if isinstance(source, moderngl.Framebuffer) else ()
         given = attached[0] if attached else source
         if isinstance(given, Environment):
-            self._environment.upload(given.pixels)
+            self._environment.upload(given.pixels, R)
         elif isinstance(given, moderngl.Texture | moderngl.TextureCube):
             if given.ctx is not self.context.gl:
                 raise ValueError("source must be of the prefilter's OpenGL context, got one of another")
-            self._environment.take(given)
+            self._environment.take(given, R)
         else:
             raise TypeError(
                 "source must be an Environment, a moderngl Texture or TextureCube, or a Framebuffer with a "

@@ -19,7 +19,7 @@ from shrm.environment import Environment
 from shrm.explicit import without_azimuth
 from shrm.orders import ToleranceWarning, choose
 from shrm.prefiltered import Prefiltered as Layered
-from shrm.prefiltered import twelve_views
+from shrm.prefiltered import of_reflection_map
 from shrm.reflection_map import ReflectionMap
 from shrm.relighting import Prefilter
 from shrm.render.camera import FloatArray
@@ -32,10 +32,13 @@ from shrm.viewer.worker import StaleError
 
 Drawn = ReflectionMap | Layered
 
-METHODS: Mapping[Method, Callable[[ReflectionMap], Drawn]] = {
-    "shrm": lambda rm: rm,
-    "kautz-mccool": without_azimuth,
-    "cabral": twelve_views,
+METHODS: Mapping[Method, Callable[[ReflectionMap, brdf.BRDF], Drawn]] = {
+    "shrm": lambda rm, _: rm,
+    "kautz-mccool": lambda rm, _: without_azimuth(rm),
+    "kautz-mccool-2d": lambda rm, material: of_reflection_map(rm, material, "kautz-mccool-2d"),
+    "miller-heidrich": lambda rm, material: of_reflection_map(rm, material, "miller-heidrich"),
+    "cabral": lambda rm, material: of_reflection_map(rm, material, "cabral"),
+    "hardware": lambda rm, _: rm,  # filtered where it is drawn
 }
 
 DAYLIGHT = "daylight"
@@ -236,7 +239,7 @@ class _Lit:
         """Return what a method makes of the maps given away last."""
         assert self._map is not None
         if self._drawn is None or self._drawn[0] is not self._map or self._drawn[1] != method:
-            self._drawn = self._map, method, METHODS[method](self._map)
+            self._drawn = self._map, method, METHODS[method](self._map, brdf.parse(self._text))
         return self._drawn[2]
 
     def _renew(

@@ -329,10 +329,13 @@ class Panel:
 
     def _method(self, state: State, facts: Facts) -> State:
         imgui.separator_text("Method")
-        for method, label, meaning in METHODS:
-            if self._radio(label, state.method == method):
-                state = replace(state, method=method)
-            explain(meaning)
+        names, labels, meanings = zip(*METHODS, strict=True)
+        current = names.index(state.method)
+        changed, chosen = imgui.combo("method", current, list(labels))
+        self._place("method")
+        explain(f"How the reflected light is approximated. {labels[current]}: {meanings[current]}")
+        if changed:
+            state = replace(state, method=names[chosen])
         imgui.align_text_to_frame_padding()
         imgui.text("viewer")
         for viewer, label, meaning in VIEWERS:

@@ -18,6 +18,7 @@ from shrm.viewer.context import ContextError, leave_framebuffers
 from shrm.viewer.environment_texture import EnvironmentTexture
 from shrm.viewer.programs import layers_program, screen_program, set_uniforms
 
+FloatArray = npt.NDArray[np.float64]
 Float32Array = npt.NDArray[np.float32]
 Texels = Literal["f4", "f2"]
 
@@ -158,16 +159,16 @@ class ParaboloidEnvironment:
         self._weighted = _WeightedPicture(gl)
         self._uploaded: EnvironmentTexture | None = None
 
-    def upload(self, pixels: Float32Array) -> None:
-        """Take a lat-long picture (H, W, 3)."""
+    def upload(self, pixels: Float32Array, rotation: FloatArray) -> None:
+        """Take a lat-long picture (H, W, 3), turned."""
         if self._uploaded is None or not self._uploaded.renew(pixels):
             if self._uploaded is not None:
                 self._uploaded.release()
             self._uploaded = EnvironmentTexture(self._gl, pixels)
-        self.take(self._uploaded.texture)
+        self.take(self._uploaded.texture, rotation)
 
-    def take(self, environment: moderngl.Texture | moderngl.TextureCube) -> None:
-        """Take what is in a texture, a lat-long picture or a cube map."""
+    def take(self, environment: moderngl.Texture | moderngl.TextureCube, rotation: FloatArray) -> None:
+        """Take what is in a texture, a lat-long picture or a cube map, turned: L'(w) = L(R^T w)."""
         # The widest texels, in the middles of faces, take samples no farther apart than the environment's.
         if isinstance(environment, moderngl.TextureCube):
             step, taken = 2.0 / environment.size[0], self._from_cube
@@ -182,6 +183,7 @@ class ParaboloidEnvironment:
             environment=environment,
             side=float(self.faces.side),
             samples=samples,
+            light_from_world=rotation.T,
             most_columns=MOST_COLUMNS,
         )
         self.faces.texture.build_mipmaps()
