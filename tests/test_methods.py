@@ -4,6 +4,7 @@ import numpy as np
 import oracles
 import pytest
 from shrm import Environment, ReflectionMap, ToleranceWarning, brdf, cost, orders, prefilter
+from shrm.hierarchical import HierarchicalReflection
 from shrm.reference import AngularReflection, integrate
 
 SKY = Environment.daylight(size=32)
@@ -17,8 +18,8 @@ def seconds(s: float, H: int, layout: str = "latlong") -> tuple[float, float]:
     """Predicted for Phong between pictures of H rows, F as [RH02] appendix D has it."""
     material, F = brdf.Phong(s), int(np.ceil(np.sqrt(-s * np.log(0.01))))
     chosen = orders.Orders(F, 0, 0.0, "", (orders.LobeOrders(F, 0, 0.0, 1.0),))
-    work = (2 * H * H, material, chosen, 2 * H * H, layout, 1)
-    return cost.frequency_seconds(*work), cost.angular_seconds(*work)  # type: ignore[arg-type]
+    work = (2 * H * H, material, 2 * H * H, layout, 1)
+    return cost.frequency_seconds(*work, chosen), cost.angular_seconds(*work, 0.05)  # type: ignore[arg-type]
 
 
 def test_by_name():
@@ -28,6 +29,7 @@ def test_by_name():
     angular = prefilter(SKY, material, method="angular", size=16, layout="cube")
     assert isinstance(angular, AngularReflection)
     assert (angular.size, angular.layout) == (16, "cube")
+    assert isinstance(prefilter(SKY, material, method="hierarchical", size=16), HierarchicalReflection)
 
 
 def test_frequency_costs_more_with_the_exponent_and_integration_less():
@@ -60,7 +62,7 @@ def test_what_frequency_space_cannot_reach_is_integrated():
     assert relative_rms(found.radiance(N, V), exact) < 0.02
 
 
-@pytest.mark.parametrize("method", ["frequency", "angular", "auto"])
+@pytest.mark.parametrize("method", ["frequency", "angular", "hierarchical", "auto"])
 def test_either_way_the_tolerance_is_met(method):
     material, view = brdf.Phong(40), [0.0, 0.0, 1.0]
     # A radial lobe's map is the reflected light over all directions; at F = 60 no energy is left out.
@@ -72,7 +74,9 @@ def test_either_way_the_tolerance_is_met(method):
 
 def test_what_does_not_go_with_the_method_is_refused():
     material = brdf.Phong(20)
-    with pytest.raises(ValueError, match="method must be one of frequency, angular, auto, got 'fast'"):
+    with pytest.raises(
+        ValueError, match="method must be one of frequency, angular, hierarchical, auto, got 'fast'"
+    ):
         prefilter(SKY, material, method="fast")
     frequency_only = {"orders": (4, 0), "criterion": "brdf", "window": "hann", "clamp": True, "half": True}
     for name, value in frequency_only.items():
@@ -80,6 +84,28 @@ def test_what_does_not_go_with_the_method_is_refused():
             prefilter(SKY, material, method="auto", **{name: value})
     with pytest.raises(ValueError, match="views must be"):
         prefilter(SKY, material, views=0)
+
+
+def test_sharp_lobes_under_a_large_light_are_descended_for_and_under_a_small_one_integrated():
+    """What frequency space cannot reach within the caps, where it would take fewer evaluations."""
+    glossy = brdf.GGX(0.15)
+    options = {"tolerance": 0.02, "F_max": 40, "P_max": 1, "size": 32}
+    large = Environment.daylight(size=512)
+    found = prefilter(large, glossy, method="auto", **options)
+    assert isinstance(found, HierarchicalReflection)
+    assert isinstance(prefilter(SKY, glossy, method="auto", **options), AngularReflection)
+    # texels as points: about as many as there are lobes' widths would not do
+    assert isinstance(
+        prefilter(large.resized(64, 128), brdf.GGX(0.02), method="auto", **options), AngularReflection
+    )
+
+
+def test_a_descent_costs_as_texels_of_the_map_and_hardly_those_of_the_light():
+    def cost_of(light: int, texels: int) -> float:
+        return cost.hierarchical_seconds(light, brdf.GGX(0.2), texels, "latlong", 1)
+
+    assert cost_of(10**5, 4 * 10**6) / cost_of(10**5, 10**6) == pytest.approx(4, rel=0.05)
+    assert cost_of(4 * 10**5, 10**6) / cost_of(10**5, 10**6) < 1.1
 
 
 @pytest.mark.parametrize("H", [4, 16])

@@ -2,7 +2,9 @@
 
 In frequency space the cost grows with the degree, C_f = O(F S^2) [RH02 eq. 9]; by integration it falls with
 the lobe's solid angle, C_a = O(W S^4) [RH02 eq. 10], W ~ 1 / F^2. Below the crossover s* of exponents the
-one is to be preferred, above it the other.
+one is to be preferred, above it the other. A descent in a pyramid of the light evaluates a lobe about as
+often for each texel of a map whatever lobe and light are [KVHS00 section 5.1]: it costs less than integration
+where the light has many texels, and a table and a search for its threshold more.
 
 The rates are seconds of one thread, measured at 256 x 128 texels by `shrm reproduce table-4` and `bench/`;
 where another machine is faster, it is so for both methods, and their ratio decides.
@@ -10,6 +12,8 @@ where another machine is faster, it is so for both methods, and their ratio deci
 References
 ----------
 [RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
+    Maps. Eurographics Workshop on Rendering 2000.
 """
 
 from __future__ import annotations
@@ -17,10 +21,9 @@ from __future__ import annotations
 import warnings
 from typing import Literal
 
-import numpy as np
-
 from shrm.brdf import BRDF
 from shrm.environment import Environment
+from shrm.lobe_integrals import share_visited
 from shrm.orders import Orders, ToleranceWarning, choose
 from shrm.rings import Layout
 
@@ -38,8 +41,16 @@ _BY_SYMMETRY = 3.5e-11  # per pair of texels, radial lobes on lat-long maps
 _SAMPLE = {"radial": 1.8e-10, "zonal": 1.5e-9, "isotropic": 3.5e-9}  # per pair of texels
 _QUERY = 4e-7  # per texel of a map
 
+_PYRAMID = 1.2e-7  # per texel of the light
+_DESCENT_TABLES = {"radial": 1e-2, "zonal": 1e-1, "isotropic": 3e-1}
+_EVALUATIONS = {"radial": 250.0, "zonal": 300.0, "isotropic": 800.0}  # per texel of a map, at 1 to 3%
+_EVALUATION = {"radial": 1.2e-9, "zonal": 4.5e-9, "isotropic": 8e-9}
+_SEARCH = 3.0  # for a threshold, in maps
+_TEXELS_TO_A_DEGREE = 4.0
+"""Rows that a light needs for each degree of a lobe, for its texels to count as points."""
 
-def cheaper(
+
+def cheapest(
     env: Environment,
     brdf: BRDF,
     tolerance: float,
@@ -49,8 +60,8 @@ def cheaper(
     views: int,
     F_max: int,
     P_max: int,
-) -> Literal["frequency", "angular"]:
-    """Return the cheaper of the methods that reach a tolerance.
+) -> Literal["frequency", "angular", "hierarchical"]:
+    """Return the cheapest of the methods that reach a tolerance.
 
     Parameters
     ----------
@@ -70,7 +81,7 @@ def cheaper(
 
     Returns
     -------
-    {"frequency", "angular"}
+    {"frequency", "angular", "hierarchical"}
 
     Raises
     ------
@@ -80,17 +91,21 @@ def cheaper(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)
         chosen = choose(brdf, tolerance, "light", env, F_max=F_max, P_max=P_max)
-    if chosen.limited_by:
-        return "angular"
     H, W, _ = env.pixels.shape
     texels = size * size * (2 if layout == "latlong" else 6)
-    in_frequency = frequency_seconds(H * W, brdf, chosen, texels, layout, views)
-    by_angle = angular_seconds(H * W, brdf, chosen, texels, layout, views)
-    return "frequency" if in_frequency <= by_angle else "angular"
+    work = (H * W, brdf, texels, layout, views)
+    seconds: dict[Literal["frequency", "angular", "hierarchical"], float] = {
+        "angular": angular_seconds(*work, tolerance)
+    }
+    if not chosen.limited_by:
+        seconds["frequency"] = frequency_seconds(*work, chosen)
+    if min(H, W / 2) >= _TEXELS_TO_A_DEGREE * chosen.F:
+        seconds["hierarchical"] = hierarchical_seconds(*work)
+    return min(seconds, key=lambda method: seconds[method])
 
 
 def frequency_seconds(
-    light_texels: int, brdf: BRDF, orders: Orders, texels: int, layout: Layout, views: int
+    light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int, orders: Orders
 ) -> float:
     """Predict the time in frequency space: analysis, synthesis and a sum for each view [RH02 eq. 9]."""
     seconds = _CALL + light_texels * (_ANALYSIS + _ANALYSIS_BY_F * orders.F)
@@ -104,20 +119,30 @@ def frequency_seconds(
 
 
 def angular_seconds(
-    light_texels: int, brdf: BRDF, orders: Orders, texels: int, layout: Layout, views: int
+    light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int, tolerance: float
 ) -> float:
     """Predict the time by integration: tables, and each texel of a map against those of the light in its cap.
 
-    The cap's share of the sphere is taken from the lobe's degree: cos^s has all but eps of its integral
-    in the share -ln(eps) / (2 s) of the sphere about its axis, and all but eps' of its energy up to F^2 =
-    -s ln(eps') [RH02 appendix D]; for eps = .05 and eps' = .01 the share is 7 / F^2.
+    The cap is the one that holds all but the tolerance of the lobe's integral [RH02 appendix D].
+
     """
     seconds = _CALL
-    for lobe, of_lobe in zip(brdf.lobes, orders.lobes, strict=True):
+    for lobe in brdf.lobes:
         kind = lobe.kind
-        pairs = texels * light_texels * float(np.clip(7 / max(of_lobe.F, 1) ** 2, 0, 0.5))
+        pairs = texels * light_texels * share_visited(lobe, ANGULAR_SHARE * tolerance)
+
         by_symmetry = kind == "radial" and layout == "latlong"
         maps = 1 if kind == "radial" else views
         per_map = pairs * (_BY_SYMMETRY if by_symmetry else _SAMPLE[kind])
         seconds += _TABLES[kind] + maps * (per_map + (0 if by_symmetry else _QUERY * texels))
+    return seconds
+
+
+def hierarchical_seconds(light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int) -> float:
+    """Predict the time of a descent: the pyramid, tables, the search for a threshold, and each map."""
+    seconds = _CALL + light_texels * _PYRAMID
+    for lobe in brdf.lobes:
+        kind = lobe.kind
+        maps = _SEARCH + (1 if kind == "radial" else views)
+        seconds += _DESCENT_TABLES[kind] + maps * texels * _EVALUATIONS[kind] * _EVALUATION[kind]
     return seconds

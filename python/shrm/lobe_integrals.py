@@ -14,7 +14,7 @@ import numpy.typing as npt
 import shrm._core as _core
 from shrm import lobe_tables
 from shrm.central_direction import gamma_table
-from shrm.radial_table import RadialTable, radial_table
+from shrm.radial_table import RadialTable, integral_within, radial_table
 from shrm.validation import one_of
 
 Array = npt.NDArray[np.float64]
@@ -64,6 +64,23 @@ def lobe_integral(lobe: Any, tolerance: float, center: str | None, share: bool) 
     if kind == "radial":
         return RadialIntegral(lobe.center, lobe.profile, tolerance)
     return IsotropicIntegral(center or lobe.center, lobe.transfer, tolerance, share)
+
+
+def share_visited(lobe: Any, tolerance: float) -> float:
+    """Return the share of the sphere that is visited for all but a part of a lobe's integral.
+
+    For isotropic lobes at 45 degrees, for zonal ones the mean over views [RH02 appendix D].
+    """
+    kind = kind_of(lobe)
+    if kind == "radial":
+        angle, within = integral_within(lobe.profile)
+        return float(0.5 * (1 - np.cos(np.interp(1 - tolerance, within, angle))))
+    if kind == "zonal":
+        bands = lobe_tables.zonal_table(for_all_views(lobe.center, lobe.profile), tolerance).bands
+        weight = np.sin(np.linspace(0, np.pi, len(bands)))
+        return float(np.average(0.5 * (np.cos(bands[:, 0]) - np.cos(bands[:, 1])), weights=weight))
+    _, outer = lobe_tables.cap_at(lobe.transfer, float(np.sqrt(0.5)), tolerance)
+    return float(0.5 * (1 - np.cos(min(outer, np.pi / 2))))
 
 
 class RadialIntegral:

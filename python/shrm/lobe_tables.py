@@ -157,9 +157,9 @@ def half_angle_table(transfer: Transfer, tolerance: float) -> HalfAngleTable | N
         u = alone(h[:, 2] / np.linalg.norm(h, axis=1))
         if np.abs(value - u).max() > 1e-7 * np.abs(u).max():
             return None
-    caps = np.array([_cap_at(transfer, cos_v, tolerance) for cos_v in np.cos(view_nodes())])
+    caps = np.array([cap_at(transfer, cos_v, tolerance) for cos_v in np.cos(view_nodes())])
     radial = radial_table(alone, 0.0)
-    width = _cap_at(transfer, np.sqrt(0.5), 0.5)[1]
+    width = cap_at(transfer, np.sqrt(0.5), 0.5)[1]
     return HalfAngleTable(radial, caps, width, radial.error)
 
 
@@ -202,13 +202,13 @@ def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
         rho = channels_last(transfer(light, _view(cos_v, len(light))))
         plane = rho / _envelope_at(envelope, light, _view(cos_v, len(light)))[:, None]
         planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))
-        caps.append(_cap_at(transfer, cos_v, tolerance))
+        caps.append(cap_at(transfer, cos_v, tolerance))
     ratio = _padded(_padded(np.array(planes), axis=2), axis=3)
     table = IsotropicTable(
         envelope=_padded(envelope, axis=0).astype(np.float32),
         ratio=np.ascontiguousarray(ratio.astype(np.float32)),
         caps=np.array(caps),
-        width=_cap_at(transfer, np.sqrt(0.5), 0.5)[1],
+        width=cap_at(transfer, np.sqrt(0.5), 0.5)[1],
         integral=_mean_integral(transfer),
         error=0.0,
     )
@@ -301,8 +301,8 @@ def _mean_angle(wi: Array, energy: Array) -> float:
     return float(np.arctan2(-x, z)) if x != 0 or z != 0 else float("nan")
 
 
-def _cap_at(transfer: Transfer, cos_v: float, left_out: float) -> tuple[float, float]:
-    """Of a view, the lobe's centre and the angle about it that holds all but a part of its integral."""
+def cap_at(transfer: Transfer, cos_v: float, left_out: float) -> tuple[float, float]:
+    """Return a lobe's centre for a view, and the angle about it that holds all but a part of its integral."""
     wi, weight = light_quadrature(cos_v)
     energy = weight * np.abs(channels_last(transfer(wi, _view(cos_v, len(wi))))).sum(axis=1)
     centre = _mean_angle(wi, energy)

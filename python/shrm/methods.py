@@ -1,4 +1,4 @@
-"""Prefiltering by one method or the other: in frequency space, by integration, or by what costs less."""
+"""Prefiltering by one method or another: in frequency space, by integration, or by what costs least."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from typing import Literal, get_args, overload
 from shrm import prefiltering
 from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center
-from shrm.cost import ANGULAR_SHARE, cheaper
+from shrm.cost import ANGULAR_SHARE, cheapest
 from shrm.environment import Environment
+from shrm.hierarchical import HierarchicalReflection, prefilter_hierarchical
 from shrm.orders import F_MAX, P_MAX, Criterion, require_orders, require_tolerance
 from shrm.prefiltering import Window
 from shrm.reference import DEFAULT_SIZE, AngularReflection, prefilter_angular
@@ -16,7 +17,8 @@ from shrm.reflection_map import ReflectionMap
 from shrm.rings import Layout
 from shrm.validation import one_of, whole_number
 
-Method = Literal["frequency", "angular", "auto"]
+Reflection = ReflectionMap | AngularReflection | HierarchicalReflection
+Method = Literal["frequency", "angular", "hierarchical", "auto"]
 
 
 @overload
@@ -51,9 +53,9 @@ def prefilter(
     center: Center | None = ...,
     F_max: int = ...,
     P_max: int = ...,
-    method: Literal["angular", "auto"],
+    method: Literal["angular", "hierarchical", "auto"],
     views: int = ...,
-) -> ReflectionMap | AngularReflection: ...
+) -> Reflection: ...
 
 
 def prefilter(
@@ -73,7 +75,7 @@ def prefilter(
     half: bool = False,
     method: Method = "frequency",
     views: int = 1,
-) -> ReflectionMap | AngularReflection:
+) -> Reflection:
     """Prefilter an environment with a material.
 
     Parameters
@@ -86,17 +88,18 @@ def prefilter(
         The error wanted, in (0, 1); by default the relative RMS of the reflected radiance.
     orders, criterion, size, layout, center, F_max, P_max, window, clamp, half
         As in `shrm.prefiltering.prefilter`.
-    method : {"frequency", "angular", "auto"}
-        In frequency space; by integration (`shrm.prefilter_angular`), for sharp lobes; or whichever is
-        predicted to cost less at the tolerance (`shrm.cost`). Integration knows no orders, criteria,
+    method : {"frequency", "angular", "hierarchical", "auto"}
+        In frequency space; by integration (`shrm.prefilter_angular`), for sharp lobes; by integration in a
+        pyramid (`shrm.prefilter_hierarchical`), for sharp lobes under large pictures; or whichever is
+        predicted to cost least at the tolerance (`shrm.cost`). Integration knows no orders, criteria,
         windows, clamping or halves.
     views : int
         For how many views a map is wanted, for the prediction.
 
     Returns
     -------
-    ReflectionMap or AngularReflection
-        Both have `radiance`, `at_view`, `size` and `layout`.
+    ReflectionMap, AngularReflection or HierarchicalReflection
+        All have `radiance`, `at_view`, `size` and `layout`.
 
     Warns
     -----
@@ -137,10 +140,11 @@ def prefilter(
     if size is not None:
         whole_number("size", size, 2, 8192)
     one_of("layout", layout, get_args(Layout))
+    chosen: Method = method
     if method == "auto":
         material = brdf if center is None else brdf.recentred(center)
         edge = DEFAULT_SIZE[layout] if size is None else size
-        chosen = cheaper(
+        chosen = cheapest(
             env, material, tolerance, size=edge, layout=layout, views=views, F_max=F_max, P_max=P_max
         )
         if chosen == "frequency":
@@ -154,6 +158,9 @@ def prefilter(
                 F_max=F_max,
                 P_max=P_max,
             )
+    if chosen == "hierarchical":
+        material = brdf if center is None else brdf.recentred(center)
+        return prefilter_hierarchical(env, material, error=tolerance, size=size, layout=layout)
     return prefilter_angular(
         env, brdf, tolerance=ANGULAR_SHARE * tolerance, size=size, layout=layout, center=center
     )

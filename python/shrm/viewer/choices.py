@@ -46,40 +46,40 @@ BUTTONS: tuple[tuple[Action, str, str], ...] = (
 METHODS: tuple[tuple[Method, str, str], ...] = (
     (
         "shrm",
-        "SHRM (Ramamoorthi & Hanrahan 2002)",
-        "The most accurate: reflections may change with the view in any way, "
+        "SHRM (Ramamoorthi 2002)",
+        "Ramamoorthi & Hanrahan's. The most accurate: reflections may change with the view in any way, "
         "up to the order P. (P + 1)^2 maps.",
     ),
     (
         "kautz-mccool",
-        "round lobes (Kautz & McCool 2000, 3D)",
-        "Fewer maps, P + 1: highlights are taken to be round. Good for Phong, "
+        "round lobes, 3D (Kautz)",
+        "Kautz & McCool's, 2000. Fewer maps, P + 1: highlights are taken to be round. Good for Phong, "
         "wrong for microfacets at grazing views. About tangents (hair, brushed metal) they are exact: "
         "the anisotropic maps of Kautz et al. 2000.",
     ),
     (
         "kautz-mccool-2d",
-        "one round lobe (Kautz & McCool 2000, 2D)",
-        "A single map: highlights are round and keep their shape, and only their brightness changes with the "
-        "view.",
+        "one round lobe, 2D (Kautz)",
+        "Kautz & McCool's, 2000. A single map: highlights are round and keep their shape, and only their "
+        "brightness changes with the view.",
     ),
     (
         "miller-heidrich",
-        "Phong lobe (Miller 1984, Heidrich 1999)",
-        "A single map of the Phong lobe that is nearest, times a Fresnel factor; matt parts have a map of "
-        "their own.",
+        "Phong lobe (Heidrich 1999)",
+        "Miller's and Heidrich's. A single map of the Phong lobe that is nearest, times a Fresnel factor; "
+        "matt parts have a map of their own.",
     ),
     (
         "cabral",
-        "12 views, blended (Cabral et al. 1999)",
+        "12 views (Cabral 1999)",
         "Always 12 maps, of 12 fixed views; others are blended from the "
         "nearest three. Wrong where highlights move.",
     ),
     (
         "hardware",
-        "filtered by the GPU (Kautz et al. 2000)",
-        "One round lobe, filtered in two passes over a small picture whenever the light changes: the fastest "
-        "on a graphics card, with some per cent of error.",
+        "GPU filter (Kautz 2000)",
+        "Kautz et al.'s. One round lobe, filtered in two passes over a small picture whenever the light "
+        "changes: the fastest on a graphics card, with some per cent of error.",
     ),
 )
 VIEWERS: tuple[tuple[Viewer, str, str], ...] = (
