@@ -13,6 +13,7 @@ from shrm.cli import COMMANDS, main
 from shrm.cli.options import LAYOUTS
 from shrm.environment import Environment
 from shrm.image_io import ImageWarning, read_image, write_image
+from shrm.prefiltered import Prefiltered
 from shrm.reflection_map import ReflectionMap
 
 Array = npt.NDArray[np.floating]
@@ -99,6 +100,27 @@ def test_prefilter_takes_its_choices(shrm: Command, sky: Path, tmp_path: Path) -
     assert (rm.criterion, rm.window, rm.clamp) == ("brdf", "hann", True)
 
 
+@pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
+def test_prefilter_makes_maps_by_earlier_techniques(
+    shrm: Command, sky: Path, tmp_path: Path, technique: str
+) -> None:
+    path, drawn, made = (tmp_path / name for name in ("map.exr", "drawn.exr", "made.exr"))
+    material = ("--brdf", "lambert:0.5 + ggx:0.4")
+    status, out, _ = shrm("prefilter", sky, *material, "--technique", technique, "-o", path)
+    assert status == 0
+    assert "Diffuse (n) + " in out
+    assert len(Prefiltered.load(path).lobes) == 2
+    row = ("--env", sky, "--size", "24x24", "--samples", 1)
+    assert shrm("render", *row, "--map", path, "-o", drawn)[0] == 0
+    assert shrm("render", *row, *material, "--method", technique, "-o", made)[0] == 0
+    # The file's error is the tolerance, 5%; that of the other 1%.
+    found, expected = (read_image(name).pixels for name in (drawn, made))
+    assert np.abs(found - expected).max() < 0.1 * expected.max()
+    status, _, err = shrm("prefilter", sky, *material, "--technique", technique, "--clamp", "-o", path)
+    assert status == 2
+    assert "not allowed with argument --clamp" in err
+
+
 def test_a_saved_map_draws_the_picture_of_its_material(shrm: Command, sky: Path, tmp_path: Path) -> None:
     saved, pictures = tmp_path / "map.exr", [tmp_path / "material.exr", tmp_path / "map-drawn.exr"]
     orders = ("--orders", "6,2")
@@ -111,7 +133,7 @@ def test_a_saved_map_draws_the_picture_of_its_material(shrm: Command, sky: Path,
     np.testing.assert_allclose(loaded, made, rtol=1e-5, atol=1e-6)
 
 
-@pytest.mark.parametrize("method", ["shrm", "angular"])
+@pytest.mark.parametrize("method", ["shrm", "angular", "hierarchical", "cabral"])
 def test_render_draws_a_row(shrm: Command, sky: Path, tmp_path: Path, method: str) -> None:
     path = tmp_path / "row.exr"
     materials = ("--brdf", "lambert:0.5", "--brdf", "phong:9")
@@ -128,13 +150,14 @@ def test_render_draws_a_row(shrm: Command, sky: Path, tmp_path: Path, method: st
 
 def test_methods_agree(shrm: Command, sky: Path, tmp_path: Path) -> None:
     pictures = []
-    for method in ("shrm", "angular"):
+    for method in ("shrm", "angular", "hierarchical"):
         path = tmp_path / f"{method}.exr"
         arguments = ("--env", sky, "--brdf", "lambert:0.7", "--orders", "8,0", "--method", method)
         assert shrm("render", *arguments, "--size", "32x32", "--samples", 1, "-o", path)[0] == 0
         pictures.append(read_image(path).pixels)
     # Light of degree 1 on 16 rows, constant over its texels: (pi/16)^2/6 and less, about 0.5%.
     np.testing.assert_allclose(pictures[0], pictures[1], rtol=1e-2)
+    np.testing.assert_allclose(pictures[0], pictures[2], rtol=2e-2)
 
 
 def test_render_writes_png_with_alpha(shrm: Command, sky: Path, tmp_path: Path) -> None:

@@ -82,6 +82,10 @@ TANGENTS = {
 }
 
 
+TECHNIQUES = ("kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral")
+"""Those of `shrm.prefiltered`."""
+
+
 def add_tangents(command: argparse.ArgumentParser, default: str | None) -> None:
     """Add --tangents."""
     command.add_argument(

@@ -1,15 +1,18 @@
 """Prefilter an environment with a material: make a spherical harmonic reflection map.
 
-The orders F and P are chosen so that the reflected light is within the tolerance, or given.
+The orders F and P are chosen so that the reflected light is within the tolerance, or given. With --technique
+the prefiltered maps of an earlier technique are made instead, by integration in a pyramid.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+from typing import TYPE_CHECKING
 
 from shrm.cli.console import progress
 from shrm.cli.options import (
+    TECHNIQUES,
     add_environment,
     add_orders,
     add_output,
@@ -18,6 +21,10 @@ from shrm.cli.options import (
     read_environment,
     whole,
 )
+
+if TYPE_CHECKING:
+    from shrm.brdf import BRDF
+    from shrm.environment import Environment
 
 EXAMPLE = "shrm prefilter grace.hdr --brdf ggx:alpha=0.2,f0=0.04 --tolerance 0.02 -o grace-ggx.exr"
 
@@ -54,6 +61,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--window", choices=("hann", "lanczos"), help="damp the high degrees against ringing (default: no)"
     )
     command.add_argument("--clamp", action="store_true", help="mark the map: negative light reads as zero")
+    command.add_argument(
+        "--technique",
+        choices=TECHNIQUES,
+        metavar="T",
+        help=f"make explicit maps by an earlier technique: {', '.join(TECHNIQUES)} (lobes of one shape, and"
+        " those about the tangent, are exact)",
+    )
     add_output(command, ".exr")
 
 
@@ -68,6 +82,9 @@ def run(options: argparse.Namespace) -> None:
     F_max, P_max = options.max_orders or (F_MAX, P_MAX)
     with progress("Reading the environment"):
         env = read_environment(options)
+    if options.technique is not None:
+        _explicit(options, env, brdf)
+        return
     start = time.perf_counter()
     with progress(f"Prefiltering with {brdf.name}"):
         rm = prefilter(
@@ -90,3 +107,32 @@ def run(options: argparse.Namespace) -> None:
         f"{options.output}: {brdf.name}, F = {rm.F}, P = {rm.P}, predicted error {rm.error:.2%},"
         f" {1e3 * seconds:.0f} ms"
     )
+
+
+def _explicit(options: argparse.Namespace, env: Environment, brdf: BRDF) -> None:
+    """Prefilter by an earlier technique, save."""
+    from shrm.prefiltered import prefilter
+
+    given = [name for name in SHRM_ONLY if getattr(options, name) not in (None, False)]
+    if given:
+        flag = f"--{given[0].replace('_', '-')}"
+        raise argparse.ArgumentError(None, f"argument --technique: not allowed with argument {flag}")
+    material = brdf if options.center is None else brdf.recentred(options.center)
+    start = time.perf_counter()
+    with progress(f"Prefiltering with {brdf.name}"):
+        found = prefilter(
+            env,
+            material,
+            options.technique,
+            error=options.tolerance,
+            size=options.size,
+            layout=options.layout,
+        )
+        seconds = time.perf_counter() - start
+        found.save(options.output)
+    maps = " + ".join(f"{type(one).__name__} {one.keeps}" for one in found.lobes)
+    print(f"{options.output}: {brdf.name}, {maps}, {1e3 * seconds:.0f} ms")
+
+
+SHRM_ONLY = ("orders", "max_orders", "window", "clamp")
+"""Arguments that go with frequency space alone."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from shrm.cli.console import progress
 from shrm.cli.options import (
+    TECHNIQUES,
     add_environment,
     add_orders,
     add_output,
@@ -31,6 +32,7 @@ from shrm.cli.options import (
 
 if TYPE_CHECKING:
     from shrm.brdf import BRDF
+    from shrm.prefiltered import Prefiltered
     from shrm.reflection_map import ReflectionMap
     from shrm.relighting import Prefilter
     from shrm.render import Picture, Reflection
@@ -61,7 +63,15 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         " objects (--env is then only what is seen behind them)",
     )
     add_orders(command)
-    add("--method", choices=("shrm", "angular"), default="shrm", help="how to prefilter (default shrm)")
+    add(
+        "--method",
+        choices=("shrm", *INTEGRATED, *TECHNIQUES),
+        default="shrm",
+        metavar="M",
+        help="how to prefilter: in frequency space (shrm, the default); pixel by pixel, over all the light"
+        " (angular) or in a pyramid of it (hierarchical); or by an earlier technique, an approximation: "
+        f"{', '.join(TECHNIQUES)}",
+    )
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--turn", type=number, default=0.0, metavar="DEG", help="turn the mesh about the vertical")
     add("--up", choices=("y", "z"), default="y", help="the mesh file's upward axis (default y)")
@@ -103,15 +113,19 @@ def run(options: argparse.Namespace) -> None:
     """Prefilter each material, draw, write."""
     if options.row is None:
         raise argparse.ArgumentError(None, "needs a --brdf or a --map")
-    if options.gpu and options.method == "angular":
-        raise argparse.ArgumentError(None, "--gpu draws reflection maps: it cannot go with --method angular")
+    if options.gpu and options.method in INTEGRATED:
+        raise argparse.ArgumentError(
+            None, f"--gpu draws reflection maps: it cannot go with --method {options.method}"
+        )
     if options.frames is not None and options.turntable is None:
         raise argparse.ArgumentError(None, "--frames is for a --turntable")
     if options.turntable == "light" and (
-        options.method == "angular" or any(kind == "map" for kind, _ in options.row)
+        options.method != "shrm" or any(kind == "map" for kind, _ in options.row)
     ):
         raise argparse.ArgumentError(
-            None, "a --turntable of the light turns reflection maps that it makes: it needs a --brdf for each"
+            None,
+            "a --turntable of the light turns reflection maps that it makes: it needs a --brdf for each, and"
+            " --method shrm",
         )
     from shrm.render import numbered, write_picture
 
@@ -135,7 +149,7 @@ def run(options: argparse.Namespace) -> None:
 class Stage:
     """Objects in a row, their light and the camera, as the options have them."""
 
-    def __init__(self, row: list[BRDF | ReflectionMap], options: argparse.Namespace) -> None:
+    def __init__(self, row: list[BRDF | ReflectionMap | Prefiltered], options: argparse.Namespace) -> None:
         from shrm import image_io
         from shrm.render import Mesh, Sphere, row_camera, row_picture
 
@@ -154,9 +168,11 @@ class Stage:
         ]
         self.materials = [self._prefiltered(material) for material in row]
 
-    def _prefiltered(self, material: BRDF | ReflectionMap) -> Prefilter | Reflection:
+    def _prefiltered(self, material: BRDF | ReflectionMap | Prefiltered) -> Prefilter | Reflection:
         """Prefilter by the method that the options name, so that the light can be turned if it is to be."""
         from shrm.brdf import BRDF
+        from shrm.hierarchical import prefilter_hierarchical
+        from shrm.prefiltered import prefilter as prefilter_explicit
         from shrm.prefiltering import prefilter
         from shrm.reference import prefilter_angular
         from shrm.relighting import Prefilter
@@ -167,6 +183,16 @@ class Stage:
         with progress(f"Prefiltering with {material.name}"):
             if options.method == "angular":
                 return prefilter_angular(self.env, material)
+            if options.method == "hierarchical":
+                return prefilter_hierarchical(self.env, material, error=HIERARCHICAL_ERROR)
+            if options.method != "shrm":
+                return prefilter_explicit(
+                    self.env,
+                    material,
+                    options.method,
+                    layout="cube" if options.gpu else "latlong",
+                    size=GPU_MAP_SIZE if options.gpu else None,
+                )
             make = Prefilter if options.turntable == "light" else prefilter
             return make(
                 self.env,
@@ -216,6 +242,11 @@ class Stage:
         return Renderer((self.width, self.height), samples=self.options.samples, map_size=GPU_MAP_SIZE)
 
 
+INTEGRATED = ("angular", "hierarchical")
+"""Methods that have no maps: each pixel is integrated."""
+
+HIERARCHICAL_ERROR = 0.005
+
 FRAMES = 120
 """Pictures of a turntable."""
 
@@ -223,8 +254,11 @@ GPU_MAP_SIZE = 128
 """Edge of a face: look-ups on the GPU are bilinear, and want finer maps than cubic ones."""
 
 
-def saved(path: str) -> ReflectionMap:
-    """Read a reflection map that `shrm prefilter` wrote."""
+def saved(path: str) -> ReflectionMap | Prefiltered:
+    """Read maps that `shrm prefilter` wrote."""
+    from shrm import image_io
+    from shrm.prefiltered import Prefiltered
     from shrm.reflection_map import ReflectionMap
 
-    return ReflectionMap.load(path)
+    first = image_io.read_parts(path)[0].metadata
+    return Prefiltered.load(path) if "shrm:prefiltered" in first else ReflectionMap.load(path)

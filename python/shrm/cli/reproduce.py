@@ -34,6 +34,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--fits", type=Path, metavar="DIR", help="folder with published fits to measured materials"
     )
     command.add_argument(
+        "--mesh", type=Path, metavar="FILE", help="mesh for kautz-figure-6, such as a teapot"
+    )
+    command.add_argument(
         "--quick", action="store_true", help="fewer rows and samples: to see that everything runs"
     )
     command.add_argument(
@@ -57,7 +60,7 @@ def run(options: argparse.Namespace) -> None:
         env = read_environment(options)
     if not env.pixels.any():
         raise ValueError(f"{options.env}: every texel is black, and nothing reflects no light")
-    settings = Settings(env, Path(options.env).stem, options.fits, options.quick)
+    settings = Settings(env, Path(options.env).stem, options.fits, options.mesh, options.quick)
     results = []
     for name in names():
         if options.names and name not in options.names:

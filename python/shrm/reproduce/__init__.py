@@ -33,6 +33,7 @@ MODULES = (
     "kautz_figure_3",
     "kautz_figure_4",
     "kautz_figure_5",
+    "kautz_figure_6",
 )
 """In the papers' order. A module is imported when its result is made: plots are slow to load."""
 

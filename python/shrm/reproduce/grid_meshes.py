@@ -44,3 +44,38 @@ def ball(around: int = 36, bands: int = 37) -> Mesh:
     ]  # beside a pole one of both is a line
     upper = np.stack([corners[k] for k in (0, 2, 3)], axis=1)[i > 0]
     return Mesh(outward, np.concatenate([lower, upper]), outward)
+
+
+def pot(around: int = 128) -> Mesh:
+    """Return a bellied pot with a lid and a knob, turned about z; for who has no teapot."""
+    profile = np.array(  # radius and height, of a curve through the middles of these edges
+        [
+            (0.0, 1.18),
+            (0.16, 1.18),
+            (0.2, 1.06),
+            (0.08, 0.98),
+            (0.3, 0.9),
+            (0.72, 0.82),
+            (0.78, 0.72),
+            (1.05, 0.45),
+            (1.2, 0.0),
+            (1.05, -0.45),
+            (0.7, -0.62),
+            (0.0, -0.62),
+        ]
+    )
+    for _ in range(3):  # corners are cut [Chaikin 1974], ends stay
+        low, high = profile[:-1], profile[1:]
+        cut = np.stack([0.75 * low + 0.25 * high, 0.25 * low + 0.75 * high], axis=1).reshape(-1, 2)
+        profile = np.concatenate([profile[:1], cut, profile[-1:]])
+    radius, z = profile.T
+    phi = 2 * np.pi * np.arange(around) / around
+    rings = len(profile)
+    vertices = np.stack(
+        [np.outer(radius, np.cos(phi)), np.outer(radius, np.sin(phi)), np.repeat(z[:, None], around, axis=1)],
+        axis=-1,
+    ).reshape(-1, 3)
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(rings - 1), np.arange(around), indexing="ij"))
+    a, b, c, d = (x * around + y % around for x, y in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)))
+    faces = np.concatenate([np.stack(corner, axis=1) for corner in ((a, b, c), (a, c, d))])
+    return Mesh(vertices, faces)

@@ -31,6 +31,8 @@ class Settings:
         How the light is called in titles.
     fits : Path or None
         A folder with published fits to measured materials (`merl_abc_low2012.json`, ...).
+    mesh : Path or None
+        A mesh to draw, y upwards.
     quick : bool
         Fewer rows and samples: to see that everything runs.
     """
@@ -38,6 +40,7 @@ class Settings:
     env: Environment
     env_name: str
     fits: Path | None = None
+    mesh: Path | None = None
     quick: bool = False
 
 
