@@ -7,7 +7,7 @@ A table stands between two markers, and the first says which it is:
     <!-- bench: analysis, synthesis -->  ...  <!-- /bench -->
 
 Names are groups of the benchmarks, whose rows say time, error and share of the machine's limit, or one of
-`machine` (its limits), `kernels`, `beside the prototype` and `Fourier`.
+`machine` (its limits), `kernels`, `beside the prototype`, `Fourier`, `methods` and `crossover`.
 """
 
 import json
@@ -140,7 +140,40 @@ def kernels(results: Results) -> list[str]:
     return markdown(["call, 1 thread", "best", "arithmetic", "memory", "of the limit"], rows)
 
 
+def methods(results: Results) -> list[str]:
+    """Return all methods: what each keeps, costs and loses, and what for."""
+    rows = [
+        [
+            row["method"],
+            row["keeps"],
+            row["material"],
+            str(row["layers"]),
+            f"{row['bytes'] / 1e6:.2g} MB",
+            milliseconds(1e3 * row["seconds"]),
+            f"{100 * row['error']:.2g}%",
+            row["when"],
+        ]
+        for row in of_group(results, "methods")[0]["extra_info"]["rows"]
+    ]
+    heads = ["method", "keeps", "material", "maps", "memory", "prefiltering", "error", "choose it for"]
+    return markdown(heads, rows)
+
+
+def crossover(results: Results) -> list[str]:
+    """Return the time of each method to a first map and to another, and which `auto` takes."""
+    names = ("frequency", "angular", "hierarchical")
+    heads = ["light", "GGX alpha", "F, P", *names, *(f"{name}, another view" for name in names), "auto"]
+    rows = []
+    for row in of_group(results, "crossover")[0]["extra_info"]["rows"]:
+        first = [f"{milliseconds(1e3 * row[n]['seconds'])}, {100 * row[n]['error']:.2g}%" for n in names]
+        again = [milliseconds(1e3 * row[n]["view"]) for n in names]
+        rows.append([row["light"], f"{row['alpha']:g}", row["orders"], *first, *again, row["auto"]])
+    return markdown(heads, rows)
+
+
 TABLES = {
+    "methods": methods,
+    "crossover": crossover,
     "machine": machine,
     "kernels": kernels,
     "beside the prototype": beside_the_prototype,

@@ -6,7 +6,7 @@ one is to be preferred, above it the other. A descent in a pyramid of the light 
 often for each texel of a map whatever lobe and light are [KVHS00 section 5.1]: it costs less than integration
 where the light has many texels, and a table and a search for its threshold more.
 
-The rates are seconds of one thread, measured at 256 x 128 texels by `shrm reproduce table-4` and `bench/`;
+The rates are seconds of one thread, measured at 128 x 64 to 512 x 256 texels of light;
 where another machine is faster, it is so for both methods, and their ratio decides.
 
 References
@@ -36,16 +36,16 @@ _SYNTHESIS, _SYNTHESIS_BY_J = 6e-11, 5e-12  # per value of a lat-long map
 _CUBE = 2e-12  # per value of a cube map and coefficient
 _VIEW = 4.5e-11  # per value of a map, for each view
 
-_TABLES = {"radial": 8e-3, "zonal": 4e-2, "isotropic": 1.2e-1}
-_BY_SYMMETRY = 3.5e-11  # per pair of texels, radial lobes on lat-long maps
-_SAMPLE = {"radial": 1.8e-10, "zonal": 1.5e-9, "isotropic": 3.5e-9}  # per pair of texels
+_TABLES = {"radial": 1e-2, "zonal": 7e-2, "isotropic": 2e-1}
+_BY_SYMMETRY = 8e-11  # per pair of texels, radial lobes on lat-long maps
+# per pair of texels, the light's of 2 x 2 nodes
+_SAMPLE = {"radial": 1.4e-9, "zonal": 4e-9, "isotropic": 1.5e-8}
 _QUERY = 4e-7  # per texel of a map
+_COLOURED = 2.0  # a lobe of three channels by one of one
 
 _PYRAMID = 1.2e-7  # per texel of the light
-_DESCENT_TABLES = {"radial": 1e-2, "zonal": 1e-1, "isotropic": 3e-1}
-_EVALUATIONS = {"radial": 250.0, "zonal": 300.0, "isotropic": 800.0}  # per texel of a map, at 1 to 3%
-_EVALUATION = {"radial": 1.2e-9, "zonal": 4.5e-9, "isotropic": 8e-9}
-_SEARCH = 3.0  # for a threshold, in maps
+_DESCENT = {"radial": 3e-7, "zonal": 1.2e-6, "isotropic": 5e-6}  # per texel of a map, at 1 to 3%
+_SEARCH, _SEARCH_TEXELS = 3.0, 2e4  # for a threshold: in maps, and in texels besides
 _TEXELS_TO_A_DEGREE = 4.0
 """Rows that a light needs for each degree of a lobe, for its texels to count as points."""
 
@@ -133,7 +133,8 @@ def angular_seconds(
 
         by_symmetry = kind == "radial" and layout == "latlong"
         maps = 1 if kind == "radial" else views
-        per_map = pairs * (_BY_SYMMETRY if by_symmetry else _SAMPLE[kind])
+        per_pair = _SAMPLE[kind] * (_COLOURED if lobe.channels == 3 and kind == "isotropic" else 1.0)
+        per_map = pairs * (_BY_SYMMETRY if by_symmetry else per_pair)
         seconds += _TABLES[kind] + maps * (per_map + (0 if by_symmetry else _QUERY * texels))
     return seconds
 
@@ -144,5 +145,6 @@ def hierarchical_seconds(light_texels: int, brdf: BRDF, texels: int, layout: Lay
     for lobe in brdf.lobes:
         kind = lobe.kind
         maps = _SEARCH + (1 if kind == "radial" else views)
-        seconds += _DESCENT_TABLES[kind] + maps * texels * _EVALUATIONS[kind] * _EVALUATION[kind]
+        per_texel = _DESCENT[kind] * (_COLOURED if lobe.channels == 3 else 1.0)
+        seconds += _TABLES[kind] + (maps * texels + _SEARCH_TEXELS) * per_texel
     return seconds

@@ -177,14 +177,21 @@ class _Grid:
 
 @dataclass(frozen=True, eq=False)
 class _Shape:
-    """A profile of cos(theta_i), linear between the nodes of a grid."""
+    """A profile of cos(theta_i), by cubics of Catmull and Rom between the nodes of a grid.
+
+    Smooth, so that the integrators' tables stay small.
+    """
 
     grid: _Grid
     values: Array  # (LIGHTS, channels)
 
     def __call__(self, cos_theta_i: Array) -> Array:
         k, t = _cell(self.grid.place(np.arccos(np.clip(cos_theta_i, -1.0, 1.0))), LIGHTS)
-        u = self.values[k] * (1.0 - t)[:, None] + self.values[k + 1] * t[:, None]
+        # At C the profile is even; behind the last node nothing changes.
+        before, after = np.abs(k - 1), np.minimum(k + 2, LIGHTS - 1)
+        a, b, c, d = (self.values[index] for index in (before, k, k + 1, after))
+        t = t[:, None]
+        u = b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)))
         return u[:, 0] if u.shape[1] == 1 else u
 
 

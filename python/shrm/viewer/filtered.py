@@ -19,7 +19,9 @@ from shrm.viewer.renderer import Drawn
 from shrm.viewer.state import Rows
 
 SIZE, BROAD_SIZE = 256, 64
-"""Texels across a face, and across one for lobes so broad that they do not fit into a face."""
+"""Texels across a face, and across one for lobes so broad that two passes would cut too much of them."""
+CLAMP = 0.02
+"""Of a lobe's maximum, what is left out: for microfacets' long tails less than the paper's tenth."""
 
 
 class FilteredMaterials:
@@ -71,7 +73,7 @@ class FilteredMaterials:
 
 def _prefilter(material: brdf.BRDF, context: Context) -> HardwarePrefilter:
     try:
-        return HardwarePrefilter(material, size=SIZE, method="two-pass", context=context)
+        return HardwarePrefilter(material, size=SIZE, method="two-pass", clamp=CLAMP, context=context)
     except ValueError:
         if any(lobe.center == "tangent" for lobe in material.lobes):
             raise

@@ -285,11 +285,17 @@ class Panel:
         maps = sum(part.rings.shape[1] for part in held)
         word = "map" if maps == 1 else "maps"
         whose = f"object {state.selected + 1}: " if len(state.materials) > 1 else ""
-        imgui.text(f"{whose}F = {mine.F}, P = {mine.P}: {maps} {word}, 6 x {mine.size} x {mine.size}")
-        explain(
-            f"F: {OF_LIGHT}\nP: {OF_VIEW}\nMaps are cubes of six faces; together "
-            "they hold what the object reflects."
-        )
+        if state.method == "hardware":
+            imgui.text(f"{whose}one dual-paraboloid map a lobe")
+            explain(
+                "Two round pictures of opposite halves of the sphere, filtered by the GPU for every light."
+            )
+        else:
+            imgui.text(f"{whose}F = {mine.F}, P = {mine.P}: {maps} {word}, 6 x {mine.size} x {mine.size}")
+            explain(
+                f"F: {OF_LIGHT}\nP: {OF_VIEW}\nMaps are cubes of six faces; together "
+                "they hold what the object reflects."
+            )
         self._predicted(state, mine, facts.result.errors)
         return state
 
