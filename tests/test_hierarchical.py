@@ -239,3 +239,23 @@ def test_a_sun_of_two_texels_is_not_overlooked(place):
         found = prefilter_hierarchical(env, material, error=0.02, size=48).at_view([0, 0.6, 0.8])
         total, should = ((x * texel_areas(48)).sum() for x in (found, expected))
         assert total == pytest.approx(should, rel=0.01)
+
+
+def test_lobes_narrower_than_their_tables_are_said_and_end():
+    env = picture(64, seed=14)
+    with pytest.warns(UserWarning, match="narrower than what its table resolves"):
+        thin = prefilter_hierarchical(env, brdf.Banks(1 - 1e-6), error=0.02, size=64)
+    thin.at_view([0, 0, 1.0])
+    assert (
+        thin.evaluations < 0.3 * 64 * 128
+    )  # of the light's texels: rows that are nothing do not widen the ring
+
+
+@pytest.mark.parametrize("size", [2, 9])
+def test_small_maps_do_not_make_small_samples(size):
+    """The threshold is found from as many texels, whatever the map is."""
+    env, lobe = picture(24, seed=15), brdf.GGX(0.2)
+    N, V = oracles.random_views(300, seed=16)
+    expected = prefilter_hierarchical(env, lobe, threshold=0.0).radiance(N, V)
+    found = prefilter_hierarchical(env, lobe, error=0.01, size=size).radiance(N, V)
+    assert oracles.relative_rms(found, expected) < 0.015

@@ -15,8 +15,10 @@ from shrm.prefiltered import (
     KautzMcCool3D,
     Phong,
     Prefiltered,
+    of_reflection_map,
     prefilter,
 )
+from shrm.prefiltering import prefilter as prefilter_in_frequency
 from shrm.reference import integrate
 
 INTEGRATORS = ["frequency", "angular", "hierarchical"]
@@ -146,6 +148,34 @@ def test_files_bring_them_back(env, tmp_path, make, layout):
     np.testing.assert_allclose(back.radiance(N, V, T), saved.radiance(N, V, T), rtol=2e-6, atol=1e-7)
 
 
+@pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
+def test_maps_of_a_shrm_are_those_of_its_light(technique):
+    """By coefficients as by integration, for each kind of lobe."""
+    env = band_limited_environment(4, seed=5, H=16)
+    material = brdf.MillerHeidrich(0.5, 12, 0.2) + 0.4 * brdf.Lambert(0.5) + brdf.GGX(0.5)
+    rm = prefilter_in_frequency(env, material, orders=(8, 6), size=32)
+    found = of_reflection_map(rm, material, technique)
+    expected = prefilter(env, material, technique, size=32, error=0.003)
+    assert [type(one) for one in found.lobes] == [type(one) for one in expected.lobes]
+    assert oracles.relative_rms(found.radiance(N, V), expected.radiance(N, V)) < 0.02
+    with pytest.raises(ValueError, match="must have been prefiltered with"):
+        of_reflection_map(rm, brdf.GGX(0.3), technique)
+
+
+@pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
+def test_black_lobes_and_channels_reflect_nothing(env, technique):
+    for material in (0.0 * brdf.GGX(0.3), (1, 0, 0) * brdf.GGX(0.3)):
+        found = prefilter(env, material, technique, size=8, layout="cube").radiance(N, V)
+        assert np.isfinite(found).all()
+        assert not found[:, 1:].any()
+
+
+def test_no_points_reflect_no_light(env):
+    found = KautzMcCool2D.prefilter(env, brdf.GGX(0.4), size=4)
+    assert found.radiance(N[:0], V[:0]).shape == (0, 3)
+    assert len(repr(prefilter(env, brdf.GGX(0.4), size=4))) < 200
+
+
 def test_damaged_files_are_refused_in_one_line(env, tmp_path):
     path = tmp_path / "map.exr"
     KautzMcCool2D.prefilter(env, brdf.GGX(0.4), size=8).save(path)
@@ -157,6 +187,8 @@ def test_damaged_files_are_refused_in_one_line(env, tmp_path):
         {"shrm:lobes": 2},
         {"shrm:layout": "cube"},
         {"shrm:class": "Cabral"},
+        {"shrm:class": "Anisotropic"},
+        {"shrm:center": "lobe"},
     ):
         first = parts[0]
         changed = [type(first)(first.name, first.pixels, first.channels, {**first.metadata, **change})]

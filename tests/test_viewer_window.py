@@ -340,7 +340,7 @@ def test_methods_are_compared(opened: Opened) -> None:
         assert float(found[1]) == pytest.approx(100 * expected, rel=0.06)  # two digits; half-covered pixels
         hands.press(glfw.KEY_M)
     assert off["shrm"] == min(off.values())
-    assert off["kautz-mccool"] <= off["kautz-mccool-2d"]
+    assert off["kautz-mccool-3d"] <= off["kautz-mccool-2d"]
     assert max(off.values()) < 60.0
     assert app.comparison.worker.answered == answered  # the same integral serves all of them
 

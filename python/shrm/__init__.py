@@ -9,10 +9,11 @@ rendered in real time:
 >>> radiance = rm.radiance([[0.0, 0.0, 1.0]], [0.6, 0.0, 0.8])
 
 The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `orders`, `reflection_map`,
-`explicit`, `reference`, `hierarchical`, `cost`, `prefiltering`, `methods`, `relighting`, `render`.
+`explicit`, `reference`, `hierarchical`, `cost`, `prefiltering`, `prefiltered`, `methods`, `relighting`,
+`render`.
 """
 
-from shrm import brdf, explicit, orders, sh
+from shrm import brdf, explicit, orders, prefiltered, sh
 from shrm.environment import Environment
 from shrm.hierarchical import prefilter_hierarchical
 from shrm.image_io import ImageError, ImageWarning
@@ -37,5 +38,6 @@ __all__ = [
     "prefilter",
     "prefilter_angular",
     "prefilter_hierarchical",
+    "prefiltered",
     "sh",
 ]

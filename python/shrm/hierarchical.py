@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.lobe_descents import LEFT_OUT, LobeDescent, lobe_descent
+from shrm.lobe_integrals import local_frames
 from shrm.reference import DEFAULT_SIZE, Environment, Material, map_directions, pixels_of, queries
 from shrm.validation import fraction, number, one_of, unit_vectors, whole_number
 
@@ -33,6 +34,8 @@ EXACT = 1e-2
 FINE = 1e-3
 """A threshold whose maps are compared with those of LEFT_OUT."""
 LARGEST_THRESHOLD, SMALLEST_THRESHOLD = 10.0, 1e-9
+SEARCHED_ROWS = (64, 256)
+"""Of the maps from which a threshold is found, at least and at most."""
 MARGIN = 0.8
 """Of the error wanted, what the blocks may have: they are a sample."""
 
@@ -56,8 +59,10 @@ def prefilter_hierarchical(
     brdf : material
         Any object with `lobes`. Those of one shape, such as Phong's, cost least.
     error : float, optional
-        Relative RMS error wanted of the maps against the sum over all texels, in (0, 1); default .01. The
-        threshold is found from some blocks of texels of maps, each integrated exactly too.
+        Relative RMS error wanted against the sum over all texels, in (0, 1); default .01. It is meant over
+        the maps of all views together: where most of what is reflected is at grazing views or from light at
+        the horizon (microfacets of f0 = 0), a single map, or all, may have several times as much. The threshold is found from some blocks of texels of maps of random
+        views.
     threshold : float, optional
         In its place: by how much the light of a node may change, its brightness times the difference of the
         lobe between it and its parent, in parts of the mean reflected light. 0 visits every texel.
@@ -122,16 +127,15 @@ class HierarchicalReflection:
         self.size, self.layout = size, layout
         self.evaluations = 0.0
         self._pyramid = _core.Pyramid(pixels)
-        C = map_directions(layout, size)
-        self._shape = C.shape
-        self._order = _by_blocks(C.shape[:-1])
-        self._targets = np.ascontiguousarray(C.reshape(-1, 3)[self._order])  # block by block
+        self._shape, self._order, self._targets = _texels(layout, size)
         self._lobes = tuple(lobes)
         if threshold is None:
             assert error is not None
-            self.threshold = tuple(self._threshold(lobe, error) for lobe in self._lobes)
+            rows = int(np.clip(size, *SEARCHED_ROWS))
+            self.threshold = tuple(self._threshold(lobe, error, rows) for lobe in self._lobes)
         else:
             self.threshold = (float(threshold),) * len(self._lobes)
+        self.evaluations = 0.0
 
     def update(self, env: Environment) -> None:
         """Take another light, of any size; thresholds stay.
@@ -203,15 +207,24 @@ class HierarchicalReflection:
         self.evaluations += evaluations
         return found
 
-    def _threshold(self, lobe: LobeDescent, error: float) -> float:
-        """The largest threshold, to a tenth, whose error is within what is wanted: in a sample of maps."""
-        block, count = _core.HIERARCHICAL_BLOCK, len(self._order)
+    def _threshold(self, lobe: LobeDescent, error: float, rows: int) -> float:
+        """The largest threshold, to a tenth, whose error is within what is wanted: in a sample of maps.
+
+        They are lat-long, of as many rows.
+        """
+        shape, order, targets = _texels("latlong", rows)
+        block, count = _core.HIERARCHICAL_BLOCK, len(order)
         random = np.random.default_rng(2000)
-        # Each block of texels as one view sees it.
-        views = random.normal(size=(-(-count // block), 3))
-        views /= np.linalg.norm(views, axis=1, keepdims=True)
-        frames = _frames(lobe, self._targets, views.repeat(block, axis=0)[:count])
-        area = self._areas()[self._order, None]
+        # Each block of texels as one view sees it, which its first texel has at a frame drawn at random.
+        first = np.ascontiguousarray(targets[::block])
+        aside, azimuth = local_frames(first, first), 2 * np.pi * random.random(len(first))
+        theta_o = lobe.theta_o(random.random(len(first)))
+        local = np.stack(
+            [np.sin(theta_o) * np.cos(azimuth), np.sin(theta_o) * np.sin(azimuth), np.cos(theta_o)], axis=1
+        )
+        views = np.einsum("nxk,nk->nx", aside, local)
+        frames = _frames(lobe, targets, views.repeat(block, axis=0)[:count])
+        area = np.sin(np.pi * (np.arange(rows) + 0.5) / rows).repeat(shape[1])[order, None]
 
         def of_blocks(pixels: Array) -> Array:
             return np.asarray(np.add.reduceat((area * pixels**2).sum(axis=1), np.arange(0, count, block)))
@@ -243,13 +256,6 @@ class HierarchicalReflection:
             low, high = (middle, high) if off(middle) <= MARGIN * error else (low, middle)
         return float(low)
 
-    def _areas(self) -> Array:
-        """Of the texels of a map, in any unit; those of a cube count alike."""
-        H, W = self._shape[:2]
-        if self.layout == "latlong":
-            return np.repeat(np.sin(np.pi * (np.arange(H) + 0.5) / H), W)
-        return np.ones(len(self._order))
-
 
 Frames = tuple[Array, Array, Array]
 """Normals, views and tangents, each (n, 3)."""
@@ -258,6 +264,13 @@ Frames = tuple[Array, Array, Array]
 def _frames(lobe: LobeDescent, centers: Array, views: Array) -> Frames:
     """Frames in which the lobe has its centre at texels of a map."""
     return np.ascontiguousarray(lobe.normals(centers, views)), np.ascontiguousarray(views), centers
+
+
+def _texels(layout: str, size: int) -> tuple[tuple[int, ...], npt.NDArray[np.intp], Array]:
+    """Shape of a map, the places of its texels block by block, and their directions in that order."""
+    C = map_directions(layout, size)
+    order = _by_blocks(C.shape[:-1])
+    return C.shape, order, np.ascontiguousarray(C.reshape(-1, 3)[order])
 
 
 def _by_blocks(shape: tuple[int, ...]) -> npt.NDArray[np.intp]:

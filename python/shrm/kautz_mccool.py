@@ -32,6 +32,7 @@ Array = npt.NDArray[np.float64]
 
 VIEWS, LIGHTS, AZIMUTHS = 97, 385, 48
 """Nodes of a table in theta_v, theta_i and, over half a circle, in phi."""
+MOST_LOBES = 8
 PHONG_EXPONENTS = (1.0, 1e5, 200)
 """Those tried: the first, the last, how many."""
 
@@ -100,15 +101,13 @@ def factored(lobe: Lobe, lobes: int = 1) -> tuple[FactoredLobe, ...]:
     TypeError, ValueError
         If the lobe is radial or about the tangent, or `lobes` is out of its range.
     """
-    whole_number("lobes", lobes, 1, 8)
+    whole_number("lobes", lobes, 1, MOST_LOBES)
     table = _table(lobe)
     factors, shapes = [], []
     for values in np.moveaxis(table.values, 2, 0):
         # Roots of the measures: products with them have the mean square as their norm.
-        _, singular, Vt = np.linalg.svd(
-            np.sqrt(table.view_measure)[:, None] * values * np.sqrt(table.light_measure)
-        )
-        shape = Vt[:lobes] * singular[:lobes, None] / np.sqrt(table.light_measure)
+        _, _, Vt = np.linalg.svd(np.sqrt(table.view_measure)[:, None] * values * np.sqrt(table.light_measure))
+        shape = Vt[:lobes] / np.sqrt(table.light_measure)
         factor = _projected(values, shape, table.light_measure)
         sign = np.where(factor.sum(axis=0) < 0, -1.0, 1.0)
         factors.append(sign * factor)
@@ -156,7 +155,8 @@ def _projected(values: Array, shape: Array, measure: Array) -> Array:
     factor = np.linalg.solve(gram, weighted @ values.T).T
     towards = np.linalg.solve(gram, integral)  # the direction that costs least
     missing = values @ measure - factor @ integral
-    return np.asarray(factor + missing[:, None] * towards / (integral @ towards))
+    reflected = float(integral @ towards)
+    return np.asarray(factor + (missing[:, None] * towards / reflected if reflected > 1e-12 else 0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,12 +13,14 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm import _core, lobe_tables
+from shrm.brdf.lobe import Center
+from shrm.central_direction import gamma_at, gamma_table, lobe_centre
 from shrm.lobe_integrals import (
     above_horizon,
     across,
@@ -39,6 +41,8 @@ LEFT_OUT = 0.05
 """Of a lobe's integral, at most: within the angle that holds the rest nodes are small, and see the lobe."""
 FINEST = 4.0
 """How small at least, in angles that hold half of the lobe; smaller, as is LEFT_OUT, for lower thresholds."""
+FINEST_ISOTROPIC = 8.0
+"""The same for the angle that holds half of the square, of the narrowest view."""
 FINEST_ZONAL = 8.0
 """The same for half the width of a ring about C, which nodes see somewhere along it."""
 
@@ -64,6 +68,9 @@ class LobeDescent(Protocol):
 
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals (n, 3) whose centres, seen from v, are `centers`; a tangent lobe has none to find."""
+
+    def theta_o(self, cos2: Array) -> Array:
+        """Angles between C and V for cos^2(theta_v), (n,): if that is uniform, so are frames."""
 
 
 def lobe_descent(lobe: Any) -> LobeDescent:
@@ -103,6 +110,10 @@ class RadialDescent:
         """Normals of centres; see `LobeDescent`."""
         return centers if self.center == "normal" else bisector(centers, v)
 
+    def theta_o(self, cos2: Array) -> Array:
+        """Angles of views, on which nothing depends; see `LobeDescent`."""
+        return np.asarray(np.arccos(np.sqrt(cos2)))
+
 
 class ZonalDescent:
     """A lobe that depends on two angles from its centre."""
@@ -136,6 +147,12 @@ class ZonalDescent:
         """Normals of centres; see `LobeDescent`."""
         return bisector(centers, v) if self.center == "reflection" else centers
 
+    def theta_o(self, cos2: Array) -> Array:
+        """Angles of views; see `LobeDescent`. About the tangent they are uniform on the sphere."""
+        if self.center == "normal":
+            return np.asarray(np.arccos(np.sqrt(cos2)))
+        return np.asarray(np.arccos(2 * cos2 - 1))
+
 
 class IsotropicDescent:
     """Any other lobe, cut at the horizon of N."""
@@ -145,7 +162,8 @@ class IsotropicDescent:
     def __init__(self, center: str, transfer: Callable[[Array, Array], Array]) -> None:
         self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
         table = lobe_tables.isotropic_table(transfer, LEFT_OUT)
-        self._width, self._integral = table.width, table.integral
+        # That of the square: where light at the horizon has most of the integral, the highlight is narrower.
+        self._width, self._integral = lobe_centre(transfer)[1], table.integral
         self._table: dict[str, Any] = {
             "envelope": table.envelope,
             "ratio": table.ratio,
@@ -161,7 +179,7 @@ class IsotropicDescent:
         return _core.hierarchical_isotropic(
             pyramid=pyramid,
             **self._table,
-            **_depth(threshold, self._integral, FINEST * self._width),
+            **_depth(threshold, self._integral, FINEST_ISOTROPIC * self._width),
             normals=n,
             views=v,
         )
@@ -169,6 +187,12 @@ class IsotropicDescent:
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeDescent`."""
         return normals_of(self.center, self._transfer, centers, v)
+
+    def theta_o(self, cos2: Array) -> Array:
+        """Angles of views; see `LobeDescent`."""
+        theta_v = np.arccos(np.sqrt(cos2))
+        center = cast(Center, self.center)
+        return np.asarray(theta_v + gamma_at(gamma_table(center, self._transfer), theta_v))
 
 
 def _depth(threshold: float, integral: float, finest: float) -> dict[str, Any]:

@@ -10,6 +10,7 @@ TOG 21(3), 2002 ([RH02]), appendix D: the integral of rho_hat, not of its square
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
@@ -24,6 +25,8 @@ Profile2D = Callable[[Array, Array], Array]
 Transfer = Callable[[Array, Array], Array]
 
 ZONAL_ROWS, ZONAL_INTERVALS = 1025, 1024
+UNRESOLVED = 0.1
+"""Error of a zonal table that is said."""
 ENVELOPE_INTERVALS = 4096
 VIEW_INTERVALS, LIGHT_INTERVALS, AZIMUTH_INTERVALS = 96, 128, 128
 
@@ -65,7 +68,8 @@ class ZonalTable:
     def supports(self, nothing: float) -> Array:
         """Return, (rows, 2), the smallest and the largest theta_i outside of which u is nothing.
 
-        That is, less than `nothing` of the largest value of all; where a row is nothing, (0, 0).
+        That is, less than `nothing` of the largest value of all; where a row is nothing, as in the nearest
+        that is not.
         """
         nodes = 2 * np.arcsin(np.arange(ZONAL_INTERVALS + 1) / ZONAL_INTERVALS)
         size = np.abs(self.values[:, :, :-1]).max(axis=1)
@@ -75,7 +79,7 @@ class ZonalTable:
         bands = np.stack(
             [nodes[np.maximum(first - 1, 0)], nodes[np.minimum(last + 1, len(nodes) - 1)]], axis=1
         )
-        return np.asarray(np.where(there.any(axis=1)[:, None], bands, 0.0))
+        return _of_neighbours(bands, there.any(axis=1))
 
 
 def zonal_table(profile: Profile2D, tolerance: float) -> ZonalTable:
@@ -86,6 +90,8 @@ def zonal_table(profile: Profile2D, tolerance: float) -> ZonalTable:
     grid_o, grid_i = np.meshgrid(theta_o, theta_i, indexing="ij")
     u = channels_last(profile(grid_i.ravel(), grid_o.ravel())).reshape(ZONAL_ROWS, len(s), -1)
     bands = np.array([_smallest_band(s, row, tolerance) for row in u])
+    if tolerance > 0:
+        bands = _of_neighbours(bands, np.any(u, axis=(1, 2)))
     half = np.array([_smallest_band(s, row, 0.5) for row in u[:: ZONAL_ROWS // 16]])
 
     def between(values: Array, axis: int) -> Array:
@@ -99,10 +105,24 @@ def zonal_table(profile: Profile2D, tolerance: float) -> ZonalTable:
     weight = (np.sin(go) * gs).ravel()[:, None]
     error = relative_rms(linear, exact, weight)
     values = np.ascontiguousarray(_padded(u.transpose(0, 2, 1), axis=2).astype(np.float32))
+    if error > UNRESOLVED:
+        warnings.warn(
+            f"a lobe about its centre is narrower than what its table resolves: it is off by {error:.0%}",
+            stacklevel=2,
+        )
     # sin(theta) d(theta) = 4 s ds
     over_lights = 8 * np.pi * np.einsum("osc,s->oc", np.abs(u), s) / len(s)
     integral = float(np.average(over_lights, axis=0, weights=np.sin(theta_o)).max())
     return ZonalTable(values, bands, float(np.min(half[:, 1] - half[:, 0]) / 2), integral, error)
+
+
+def _of_neighbours(bands: Array, there: npt.NDArray[np.bool_]) -> Array:
+    """Bands (rows, 2) with those of rows that are nothing as in the nearest row that is not."""
+    rows = np.flatnonzero(there)
+    if not len(rows):
+        return np.zeros_like(bands)
+    nearest = np.abs(np.arange(len(bands))[:, None] - rows).argmin(axis=1)
+    return np.asarray(bands[rows[nearest]])
 
 
 def _smallest_band(s: Array, u: Array, left_out: float) -> tuple[float, float]:

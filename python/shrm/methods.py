@@ -141,8 +141,8 @@ def prefilter(
         whole_number("size", size, 2, 8192)
     one_of("layout", layout, get_args(Layout))
     chosen: Method = method
+    material = brdf if center is None else brdf.recentred(center)
     if method == "auto":
-        material = brdf if center is None else brdf.recentred(center)
         edge = DEFAULT_SIZE[layout] if size is None else size
         chosen = cheapest(
             env, material, tolerance, size=edge, layout=layout, views=views, F_max=F_max, P_max=P_max
@@ -159,8 +159,5 @@ def prefilter(
                 P_max=P_max,
             )
     if chosen == "hierarchical":
-        material = brdf if center is None else brdf.recentred(center)
         return prefilter_hierarchical(env, material, error=tolerance, size=size, layout=layout)
-    return prefilter_angular(
-        env, brdf, tolerance=ANGULAR_SHARE * tolerance, size=size, layout=layout, center=center
-    )
+    return prefilter_angular(env, material, tolerance=ANGULAR_SHARE * tolerance, size=size, layout=layout)

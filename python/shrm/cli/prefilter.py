@@ -113,7 +113,7 @@ def _explicit(options: argparse.Namespace, env: Environment, brdf: BRDF) -> None
     """Prefilter by an earlier technique, save."""
     from shrm.prefiltered import prefilter
 
-    given = [name for name in SHRM_ONLY if getattr(options, name) not in (None, False)]
+    given = [name for name, usual in SHRM_ONLY.items() if getattr(options, name) != usual]
     if given:
         flag = f"--{given[0].replace('_', '-')}"
         raise argparse.ArgumentError(None, f"argument --technique: not allowed with argument {flag}")
@@ -134,5 +134,5 @@ def _explicit(options: argparse.Namespace, env: Environment, brdf: BRDF) -> None
     print(f"{options.output}: {brdf.name}, {maps}, {1e3 * seconds:.0f} ms")
 
 
-SHRM_ONLY = ("orders", "max_orders", "window", "clamp")
-"""Arguments that go with frequency space alone."""
+SHRM_ONLY = {"orders": None, "max_orders": None, "window": None, "clamp": False, "criterion": "light"}
+"""Arguments that go with frequency space alone, and what they are if they are not given."""

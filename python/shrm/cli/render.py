@@ -63,6 +63,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         " objects (--env is then only what is seen behind them)",
     )
     add_orders(command)
+    command.set_defaults(tolerance=None)  # by the method
     add(
         "--method",
         choices=("shrm", *INTEGRATED, *TECHNIQUES),
@@ -70,7 +71,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         metavar="M",
         help="how to prefilter: in frequency space (shrm, the default); pixel by pixel, over all the light"
         " (angular) or in a pyramid of it (hierarchical); or by an earlier technique, an approximation: "
-        f"{', '.join(TECHNIQUES)}",
+        f"{', '.join(TECHNIQUES)}. The tolerance of the last two kinds is 0.01 unless it is given",
     )
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--turn", type=number, default=0.0, metavar="DEG", help="turn the mesh about the vertical")
@@ -117,6 +118,10 @@ def run(options: argparse.Namespace) -> None:
         raise argparse.ArgumentError(
             None, f"--gpu draws reflection maps: it cannot go with --method {options.method}"
         )
+    if options.method != "shrm" and options.orders is not None:
+        raise argparse.ArgumentError(None, f"--orders are for --method shrm, not {options.method}")
+    if options.method == "angular" and options.tolerance is not None:
+        raise argparse.ArgumentError(None, "--method angular leaves nothing out: it takes no --tolerance")
     if options.frames is not None and options.turntable is None:
         raise argparse.ArgumentError(None, "--frames is for a --turntable")
     if options.turntable == "light" and (
@@ -183,13 +188,15 @@ class Stage:
         with progress(f"Prefiltering with {material.name}"):
             if options.method == "angular":
                 return prefilter_angular(self.env, material)
+            error = options.tolerance or INTEGRATION_ERROR
             if options.method == "hierarchical":
-                return prefilter_hierarchical(self.env, material, error=HIERARCHICAL_ERROR)
+                return prefilter_hierarchical(self.env, material, error=error)
             if options.method != "shrm":
                 return prefilter_explicit(
                     self.env,
                     material,
                     options.method,
+                    error=error,
                     layout="cube" if options.gpu else "latlong",
                     size=GPU_MAP_SIZE if options.gpu else None,
                 )
@@ -197,7 +204,7 @@ class Stage:
             return make(
                 self.env,
                 material,
-                tolerance=options.tolerance,
+                tolerance=options.tolerance or SHRM_ERROR,
                 orders=options.orders,
                 layout="cube" if options.gpu else "latlong",
                 size=GPU_MAP_SIZE if options.gpu else None,
@@ -245,7 +252,8 @@ class Stage:
 INTEGRATED = ("angular", "hierarchical")
 """Methods that have no maps: each pixel is integrated."""
 
-HIERARCHICAL_ERROR = 0.005
+SHRM_ERROR, INTEGRATION_ERROR = 0.05, 0.01
+"""Tolerances unless given, in frequency space and by the other methods."""
 
 FRAMES = 120
 """Pictures of a turntable."""

@@ -44,7 +44,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.set_defaults(tolerance=None, viewer=None)  # what is not given is as in --state
     add(
         "--method",
-        choices=("shrm", "kautz-mccool", "kautz-mccool-2d", "miller-heidrich", "cabral", "hardware"),
+        choices=("shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral", "hardware"),
         help="what the maps hold of the view: all that the orders do (default), round lobes, one round lobe,"
         " a Phong lobe, 12 views; or one round lobe filtered by the GPU",
     )

@@ -104,11 +104,10 @@ def load(path: str | Path) -> tuple[PrefilteredMap, ...]:
     if "0.maps" not in images or "shrm:prefiltered" not in images["0.maps"].metadata:
         raise ImageError(f"{path}: no prefiltered maps (it has no part 0.maps with shrm's metadata)")
     about = images["0.maps"].metadata
-    if about["shrm:prefiltered"] != VERSION:
-        raise ImageError(
-            f"{path}: prefiltered maps of version {about['shrm:prefiltered']}, this reads version {VERSION}"
-        )
     try:
+        version = int(cast(int, about["shrm:prefiltered"]))
+        if version != VERSION:
+            raise ImageError(f"{path}: prefiltered maps of version {version}, this reads version {VERSION}")
         lobes = int(cast(int, about["shrm:lobes"]))
         if not 1 <= lobes <= LARGEST:
             raise ValueError(f"shrm:lobes = {lobes}")
@@ -123,6 +122,8 @@ def _lobe(images: Mapping[str, image_io.Part], k: int, brdf: str) -> Prefiltered
     layout, center, kind = (str(about[f"shrm:{name}"]) for name in ("layout", "center", "class"))
     if layout not in get_args(Layout) or center not in get_args(Center) or kind not in CLASSES:
         raise ValueError(f"layout {layout!r}, centre {center!r}, class {kind!r}")
+    if center not in (CLASSES[kind].centers or get_args(Center)):
+        raise ValueError(f"a {kind} map about the {center}")
     rows, columns, channels = picture.pixels.shape
     fits = rows == 6 * columns > 12 * BORDER if layout == "cube" else columns == 2 * rows
     if channels % 3 or not fits:
@@ -130,8 +131,8 @@ def _lobe(images: Mapping[str, image_io.Part], k: int, brdf: str) -> Prefiltered
     gamma = np.zeros(0)
     if center != "tangent":
         gamma = _finite(images, f"{k}.gamma").ravel()
-        if len(gamma) < 2:
-            raise ValueError("a table of gamma with one entry")
+        if len(gamma) < 2 or gamma.min() < 0 or gamma.max() > np.pi:
+            raise ValueError("a table of gamma that is none")
     K = channels // 3
     rings = (_finite(images, f"{k}.maps") / Y00).reshape(rows, columns, K, 3).transpose(2, 0, 3, 1)
     layers = tuple(

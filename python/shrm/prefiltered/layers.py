@@ -25,6 +25,9 @@ from shrm.validation import fraction, one_of, whole_number
 FloatArray = npt.NDArray[np.float64]
 Integrator = Literal["frequency", "angular", "hierarchical"]
 
+MOST_SLICES = 341
+"""Three channels each, of the 1024 that a part of a file may have."""
+
 P_MAX = 16
 """Largest order of the view in frequency space."""
 
@@ -100,6 +103,23 @@ def require_material(brdf: BRDF) -> None:
         raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
 
 
+def one_lobe(brdf: BRDF, name: str, kinds: tuple[str, ...], centers: tuple[Center, ...]) -> Material:
+    """Return a material of one lobe that a class of this name holds."""
+    require_material(brdf)
+    if len(brdf.lobes) != 1:
+        raise ValueError(
+            f"{name} holds one lobe, and {brdf.name} has {len(brdf.lobes)}: use prefiltered.prefilter"
+        )
+    (lobe,) = brdf.lobes
+    if lobe.kind not in kinds or not (lobe.kind == "isotropic" or lobe.center in centers):
+        about = f" about the {' or the '.join(centers)}" if centers else ""
+        raise ValueError(
+            f"{name} holds a lobe that is {' or '.join(kinds)}{about}, and that of {brdf.name} is"
+            f" {lobe.kind}, about the {lobe.center}"
+        )
+    return Material((lobe,), brdf.name)
+
+
 def radial_layers(materials: Sequence[Material], how: Layers) -> tuple[Part, ...]:
     """One layer for each material of one radial lobe."""
     layers = []
@@ -113,7 +133,7 @@ def radial_layers(materials: Sequence[Material], how: Layers) -> tuple[Part, ...
 
 def sliced_layers(lobe: Lobe, name: str, how: Layers, slices: int) -> tuple[Part, ...]:
     """Layers of a zonal lobe at equal steps of the angle between C and V."""
-    K = whole_number("slices", slices, 2, 1024)
+    K = whole_number("slices", slices, 2, MOST_SLICES)
     reflection = how.integrated(Material((lobe,), name))
 
     def at(theta_o: float) -> Callable[[FloatArray], Float32Array]:

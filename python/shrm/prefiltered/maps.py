@@ -16,7 +16,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, get_args
+from typing import ClassVar, TypeVar, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -32,21 +32,25 @@ from shrm.lobe_integrals import across, central_directions, normals_of
 from shrm.prefiltered.layers import (
     Y00,
     FloatArray,
+    Integrator,
     Layers,
     largest_angle,
+    one_lobe,
     radial_layers,
-    require_material,
     sliced_layers,
 )
 from shrm.reflection_map import Interpolation, Part
 from shrm.rings import Float32Array, Layout
 from shrm.validation import one_of, real_array, unit_vectors
 
+S = TypeVar("S", bound="_OneShape")
+D = TypeVar("D", bound="_Slices")
+
 SLICES = 33
 """Layers of a map of three dimensions."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PrefilteredMap(ABC):
     """A prefiltered map of one lobe.
 
@@ -56,6 +60,8 @@ class PrefilteredMap(ABC):
         Of v, n and t, what it depends on.
     assumes : str
         When that is all there is.
+    kinds, centers : tuple of str
+        Of the lobes that it holds; isotropic ones may have any centre.
     layers : tuple of Part
         Reflection maps over C, P = 0.
     brdf : str
@@ -67,6 +73,8 @@ class PrefilteredMap(ABC):
 
     keeps: ClassVar[str]
     assumes: ClassVar[str]
+    kinds: ClassVar[tuple[str, ...]]
+    centers: ClassVar[tuple[Center, ...]]
 
     @property
     def center(self) -> Center:
@@ -139,7 +147,7 @@ class PrefilteredMap(ABC):
         shares = self.shares(across(C, V)[1], V)
         result = np.zeros(N.shape, np.float32)
         for k, layer in enumerate(self.layers):
-            share = shares[:, k].reshape(len(N), -1)
+            share = shares[:, k] if shares.ndim == 3 else shares[:, k, None]
             near = np.flatnonzero(share.any(axis=1))
             if len(near):
                 result[near] += share[near] * layer.looked_up(C[near], C[near], interpolation)
@@ -147,6 +155,9 @@ class PrefilteredMap(ABC):
 
     def _central(self, N: FloatArray, V: FloatArray, T: FloatArray) -> FloatArray:
         return central_directions(self.center, N, V, T)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.brdf}: {len(self.layers)} layers {self.layout} {self.size}>"
 
     def save(self, path: str | Path) -> None:
         """Write a file; `Prefiltered.load` reads it.
@@ -161,56 +172,63 @@ class PrefilteredMap(ABC):
         save((self,), path)
 
 
-class Diffuse(PrefilteredMap):
+class _OneShape(PrefilteredMap):
+    """One layer for all views."""
+
+    def shares(self, theta_o: FloatArray, views: FloatArray) -> FloatArray:
+        """See `PrefilteredMap.shares`."""
+        return np.ones((len(views), 1))
+
+    @classmethod
+    def prefilter(
+        cls: type[S],
+        env: Environment,
+        brdf: BRDF,
+        *,
+        integrator: Integrator = "hierarchical",
+        error: float = 0.01,
+        size: int | None = None,
+        layout: Layout = "latlong",
+    ) -> S:
+        """Prefilter an environment for a lobe of one shape.
+
+        Parameters
+        ----------
+        env : Environment
+        brdf : BRDF
+            Of one radial lobe, about the class's centre.
+        integrator, error, size, layout
+            As in `shrm.prefiltered.prefilter`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not as described.
+        """
+        return cls._made(
+            one_lobe(brdf, cls.__name__, cls.kinds, cls.centers),
+            Layers.checked(env, brdf, integrator, error, size, layout),
+        )
+
+    @classmethod
+    def _made(cls: type[S], one: Material, how: Layers) -> S:
+        return cls(radial_layers([one], how), one.name)
+
+
+class Diffuse(_OneShape):
     """Miller's: what a matt surface reflects [KVHS00 section 4]."""
 
     keeps = "(n)"
     assumes = "a diffuse surface"
-
-    def shares(self, theta_o: FloatArray, views: FloatArray) -> FloatArray:
-        """See `PrefilteredMap.shares`."""
-        return np.ones((len(views), 1))
-
-    @classmethod
-    def prefilter(cls, env: Environment, brdf: BRDF, **options: Any) -> Diffuse:
-        """Prefilter; `options` are integrator, error, size and layout, as `prefilter` has them.
-
-        Raises
-        ------
-        TypeError, ValueError
-            As `prefilter`, or if the material is not one radial lobe about the normal.
-        """
-        return cls._made(_one(brdf, cls, ("radial",), "normal"), Layers.checked(env, brdf, **options))
-
-    @classmethod
-    def _made(cls, one: Material, how: Layers) -> Diffuse:
-        return cls(radial_layers([one], how), one.name)
+    kinds, centers = ("radial",), ("normal",)
 
 
-class Phong(PrefilteredMap):
+class Phong(_OneShape):
     """Miller's and Heidrich's: a lobe of one shape about the reflection [KVHS00 section 4]."""
 
     keeps = "(r_v)"
     assumes = "a lobe of one shape, symmetric about the reflection"
-
-    def shares(self, theta_o: FloatArray, views: FloatArray) -> FloatArray:
-        """See `PrefilteredMap.shares`."""
-        return np.ones((len(views), 1))
-
-    @classmethod
-    def prefilter(cls, env: Environment, brdf: BRDF, **options: Any) -> Phong:
-        """Prefilter; `options` are integrator, error, size and layout, as `prefilter` has them.
-
-        Raises
-        ------
-        TypeError, ValueError
-            As `prefilter`, or if the material is not one radial lobe about the reflection.
-        """
-        return cls._made(_one(brdf, cls, ("radial",), "reflection"), Layers.checked(env, brdf, **options))
-
-    @classmethod
-    def _made(cls, one: Material, how: Layers) -> Phong:
-        return cls(radial_layers([one], how), one.name)
+    kinds, centers = ("radial",), ("reflection",)
 
 
 class _Slices(PrefilteredMap):
@@ -222,40 +240,54 @@ class _Slices(PrefilteredMap):
         place = np.clip(theta_o / largest_angle(self.center) * (K - 1), 0.0, K - 1)
         return np.maximum(1.0 - np.abs(place[:, None] - np.arange(K)), 0.0)
 
+    @classmethod
+    def prefilter(
+        cls: type[D],
+        env: Environment,
+        brdf: BRDF,
+        *,
+        slices: int = SLICES,
+        integrator: Integrator = "hierarchical",
+        error: float = 0.01,
+        size: int | None = None,
+        layout: Layout = "latlong",
+    ) -> D:
+        """Prefilter an environment for a lobe that is symmetric about its centre for every view, or made so.
+
+        Parameters
+        ----------
+        env : Environment
+        brdf : BRDF
+            Of one lobe: about the tangent for `Anisotropic`, else isotropic, or zonal about the reflection or
+            the normal.
+        slices : int
+            Layers, 2 to 341, at equal steps of theta_o: 5.6 degrees by default. Linear look-ups between them
+            want several to the width of the lobe in theta_o.
+        integrator, error, size, layout
+            As in `shrm.prefiltered.prefilter`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not as described.
+        """
+        return cls._made(
+            one_lobe(brdf, cls.__name__, cls.kinds, cls.centers),
+            Layers.checked(env, brdf, integrator, error, size, layout),
+            slices,
+        )
+
+    @classmethod
+    def _made(cls: type[D], one: Material, how: Layers, slices: int) -> D:
+        return cls(sliced_layers(symmetric(one.lobes[0]), one.name, how, slices), one.name)
+
 
 class KautzMcCool3D(_Slices):
     """Kautz and McCool's of three dimensions: a lobe symmetric about the reflection for every view [KM00]."""
 
     keeps = "(r_v, n.r_v)"
     assumes = "a lobe symmetric about the reflection; other isotropic lobes lose their azimuth about it"
-
-    @classmethod
-    def prefilter(
-        cls, env: Environment, brdf: BRDF, *, slices: int = SLICES, **options: Any
-    ) -> KautzMcCool3D:
-        """Prefilter.
-
-        Parameters
-        ----------
-        env : Environment
-        brdf : BRDF
-            Of one lobe, isotropic or zonal but not about the tangent.
-        slices : int
-            Layers, 2 to 1024, at equal steps of theta_o.
-        **options
-            integrator, error, size and layout, as `prefilter` has them.
-
-        Raises
-        ------
-        TypeError, ValueError
-            As `prefilter`, or if the material is not one such lobe.
-        """
-        how = Layers.checked(env, brdf, **options)
-        return cls._made(_one(brdf, cls, ("isotropic", "zonal"), "reflection", "normal"), how, slices)
-
-    @classmethod
-    def _made(cls, one: Material, how: Layers, slices: int) -> KautzMcCool3D:
-        return cls(sliced_layers(symmetric(one.lobes[0]), one.name, how, slices), one.name)
+    kinds, centers = ("isotropic", "zonal"), ("reflection", "normal")
 
 
 class Anisotropic(_Slices):
@@ -263,19 +295,10 @@ class Anisotropic(_Slices):
 
     keeps = "(t, v.t)"
     assumes = "no self-shadowing: light from below the surface is reflected too"
-
-    @classmethod
-    def prefilter(cls, env: Environment, brdf: BRDF, *, slices: int = SLICES, **options: Any) -> Anisotropic:
-        """Prefilter; see `KautzMcCool3D.prefilter`, for a material of one lobe about the tangent."""
-        how = Layers.checked(env, brdf, **options)
-        return cls._made(_one(brdf, cls, ("zonal",), "tangent"), how, slices)
-
-    @classmethod
-    def _made(cls, one: Material, how: Layers, slices: int) -> Anisotropic:
-        return cls(sliced_layers(symmetric(one.lobes[0]), one.name, how, slices), one.name)
+    kinds, centers = ("zonal",), ("tangent",)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class KautzMcCool2D(PrefilteredMap):
     """Kautz and McCool's of two dimensions: lobes of one shape, times factors of the view [KM00].
 
@@ -289,6 +312,7 @@ class KautzMcCool2D(PrefilteredMap):
 
     keeps = "(r_v), F(n.r_v)"
     assumes = "a lobe symmetric about the reflection that keeps its shape"
+    kinds, centers = ("isotropic", "zonal"), ("reflection", "normal")
 
     def shares(self, theta_o: FloatArray, views: FloatArray) -> FloatArray:
         """See `PrefilteredMap.shares`."""
@@ -297,26 +321,36 @@ class KautzMcCool2D(PrefilteredMap):
         return np.asarray(np.broadcast_to(of_layers, (*of_layers.shape[:2], 3)))
 
     @classmethod
-    def prefilter(cls, env: Environment, brdf: BRDF, *, lobes: int = 1, **options: Any) -> KautzMcCool2D:
-        """Prefilter.
+    def prefilter(
+        cls,
+        env: Environment,
+        brdf: BRDF,
+        *,
+        lobes: int = 1,
+        integrator: Integrator = "hierarchical",
+        error: float = 0.01,
+        size: int | None = None,
+        layout: Layout = "latlong",
+    ) -> KautzMcCool2D:
+        """Prefilter an environment for products of shapes and factors that come nearest to a lobe.
 
         Parameters
         ----------
         env : Environment
         brdf : BRDF
-            Of one lobe, isotropic or zonal but not about the tangent.
+            Of one lobe: isotropic, or zonal about the reflection or the normal.
         lobes : int
             How many products of a shape and a factor are summed, 1 to 8.
-        **options
-            integrator, error, size and layout, as `prefilter` has them.
+        integrator, error, size, layout
+            As in `shrm.prefiltered.prefilter`.
 
         Raises
         ------
         TypeError, ValueError
-            As `prefilter`, or if the material is not one such lobe.
+            If an argument is not as described.
         """
-        how = Layers.checked(env, brdf, **options)
-        one = _one(brdf, cls, ("isotropic", "zonal"), "reflection", "normal")
+        how = Layers.checked(env, brdf, integrator, error, size, layout)
+        one = one_lobe(brdf, cls.__name__, cls.kinds, cls.centers)
         return cls._of(factored(one.lobes[0], lobes), one, how)
 
     @classmethod
@@ -334,6 +368,7 @@ class Cabral(PrefilteredMap):
 
     keeps = "(v, n), v at twelve places"
     assumes = "a distant viewer; highlights that move little between the views of an icosahedron"
+    kinds, centers = ("isotropic",), ()
 
     def shares(self, theta_o: FloatArray, views: FloatArray) -> FloatArray:
         """See `PrefilteredMap.shares`."""
@@ -347,15 +382,21 @@ class Cabral(PrefilteredMap):
         return np.asarray(np.cos(gamma) * N - np.sin(gamma) * x)
 
     @classmethod
-    def prefilter(cls, env: Environment, brdf: BRDF, **options: Any) -> Cabral:
-        """Prefilter; `options` are integrator, error, size and layout, as `prefilter` has them.
-
-        Raises
-        ------
-        TypeError, ValueError
-            As `prefilter`, or if the material is not one isotropic lobe.
-        """
-        return cls._made(_one(brdf, cls, ("isotropic",)), Layers.checked(env, brdf, **options))
+    def prefilter(
+        cls,
+        env: Environment,
+        brdf: BRDF,
+        *,
+        integrator: Integrator = "hierarchical",
+        error: float = 0.01,
+        size: int | None = None,
+        layout: Layout = "latlong",
+    ) -> Cabral:
+        """Prefilter an environment for a material of one isotropic lobe; see `Diffuse.prefilter`."""
+        return cls._made(
+            one_lobe(brdf, cls.__name__, cls.kinds, cls.centers),
+            Layers.checked(env, brdf, integrator, error, size, layout),
+        )
 
     @classmethod
     def fitted(
@@ -397,20 +438,3 @@ class Cabral(PrefilteredMap):
             return radiance
 
         return cls(tuple(how.layer(lobe.center, at(view), gamma) for view in icosahedron()), one.name)
-
-
-def _one(brdf: BRDF, cls: type, kinds: tuple[str, ...], *centers: Center) -> Material:
-    """A material of one lobe of given kinds; other than isotropic ones about given centres."""
-    require_material(brdf)
-    if len(brdf.lobes) != 1:
-        raise ValueError(
-            f"{cls.__name__} holds one lobe, and {brdf.name} has {len(brdf.lobes)}: use prefiltered.prefilter"
-        )
-    (lobe,) = brdf.lobes
-    if lobe.kind not in kinds or not (lobe.kind == "isotropic" or lobe.center in centers):
-        about = f" about the {' or the '.join(centers)}" if centers else ""
-        raise ValueError(
-            f"{cls.__name__} holds a lobe that is {' or '.join(kinds)}{about}, and that of {brdf.name} is"
-            f" {lobe.kind}, about the {lobe.center}"
-        )
-    return Material((lobe,), brdf.name)

@@ -16,9 +16,9 @@ from shrm.brdf_analysis import analyse
 from shrm.central_direction import gamma_table
 from shrm.environment import Environment
 from shrm.icosahedral import icosahedron
-from shrm.kautz_mccool import factored, factored_phong, symmetric
+from shrm.kautz_mccool import MOST_LOBES, factored, factored_phong, symmetric
 from shrm.prefiltered import file
-from shrm.prefiltered.layers import Y00, Integrator, Layers, largest_angle, require_material
+from shrm.prefiltered.layers import MOST_SLICES, Y00, Integrator, Layers, largest_angle, require_material
 from shrm.prefiltered.maps import (
     SLICES,
     Anisotropic,
@@ -31,7 +31,7 @@ from shrm.prefiltered.maps import (
 )
 from shrm.reflection_map import Interpolation, Part, ReflectionMap, zonal_harmonics
 from shrm.rings import Float32Array, Layout
-from shrm.validation import one_of
+from shrm.validation import one_of, whole_number
 
 Technique = Literal["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"]
 
@@ -77,6 +77,7 @@ def prefilter(
         If an argument is not as described.
     """
     one_of("technique", technique, get_args(Technique))
+    _require_counts(lobes, slices)
     how = Layers.checked(env, brdf, integrator, error, size, layout)
     maps: list[PrefilteredMap] = []
     for lobe in brdf.lobes:
@@ -169,16 +170,17 @@ def of_reflection_map(
         raise TypeError(f"rm must be a ReflectionMap, got {type(rm).__name__}")
     require_material(brdf)
     one_of("technique", technique, get_args(Technique))
-    if len(brdf.lobes) != len(rm.parts) or any(part.F < 0 for part in rm.parts):
+    _require_counts(lobes, slices)
+    if brdf.name != rm.brdf or len(brdf.lobes) != len(rm.parts) or any(part.F < 0 for part in rm.parts):
         raise ValueError(f"rm must have been prefiltered with {brdf.name}, got one of {rm.brdf}")
     maps: list[PrefilteredMap] = []
     for lobe, part in zip(brdf.lobes, rm.parts, strict=True):
-        if technique == "cabral":
+        if technique == "cabral" and lobe.kind == "isotropic":
             maps.append(Cabral(_at_vertices(part, rm.clamp), rm.brdf))
         elif lobe.kind == "radial":
             cls = Diffuse if part.center == "normal" else Phong
             maps.append(cls((_layer(part, part.rings),), rm.brdf))
-        elif technique == "kautz-mccool-3d" or lobe.center == "tangent":
+        elif technique in ("kautz-mccool-3d", "cabral") or lobe.center == "tangent":
             found = symmetric(lobe)
             sliced = Anisotropic if found.center == "tangent" else KautzMcCool3D
             maps.append(sliced(_slices(part, found, rm.P, slices), rm.brdf))
@@ -188,6 +190,12 @@ def of_reflection_map(
             layers = tuple(_layer(one, one.rings) for one in layers)
             maps.append(KautzMcCool2D(layers, rm.brdf, np.stack([one.factor for one in fit])))
     return Prefiltered(tuple(maps))
+
+
+def _require_counts(lobes: int, slices: int) -> None:
+    """Checked whatever the technique has use for."""
+    whole_number("lobes", lobes, 1, MOST_LOBES)
+    whole_number("slices", slices, 2, MOST_SLICES)
 
 
 def _expanded(part: Part, lobe: Lobe, P: int) -> Part:
@@ -223,17 +231,9 @@ def _layer(part: Part, rings: npt.NDArray[np.floating]) -> Part:
 
 def _at_vertices(part: Part, clamp: bool) -> tuple[Part, ...]:
     """The maps of one lobe for each vertex, borders included [RH02 eq. 12]."""
-    views = icosahedron()
+    Y = sh.evaluate(np.eye((part.P + 1) ** 2), icosahedron())
     rings = np.asarray(part.rings, np.float32)
-    if part.zonal:  # the angle between C and V is another one at every texel
-        C = part.ring_directions()
-        of_views = [
-            np.einsum("hwp,hpcw->hcw", zonal_harmonics(part.P, C @ view), rings, optimize=True)
-            for view in views
-        ]
-    else:
-        Y = sh.evaluate(np.eye((part.P + 1) ** 2), views)
-        of_views = list(np.tensordot(Y.astype(np.float32), rings, axes=(1, 1)))
+    of_views = list(np.tensordot(Y.astype(np.float32), rings, axes=(1, 1)))
     if clamp:
         of_views = [np.maximum(of_view, 0.0) for of_view in of_views]
     return tuple(_layer(part, of_view[:, None] / np.float32(Y00)) for of_view in of_views)

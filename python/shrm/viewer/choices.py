@@ -23,7 +23,7 @@ KEYS = (
     ("R", "turn the light back"),
     ("E", "find the exposure from the picture"),
     ("B", "environment behind the objects on or off"),
-    ("M", "next method: SHRM, radial lobes, 12 views"),
+    ("M", "next method: SHRM, round lobes, 12 views, GPU"),
     ("1  2  3", "show maps, integral, difference"),
     ("Tab", "panel on or off"),
     ("S", "screenshot: .png as shown, .exr linear"),
@@ -51,7 +51,7 @@ METHODS: tuple[tuple[Method, str, str], ...] = (
         "up to the order P. (P + 1)^2 maps.",
     ),
     (
-        "kautz-mccool",
+        "kautz-mccool-3d",
         "round lobes, 3D (Kautz)",
         "Kautz & McCool's, 2000. Fewer maps, P + 1: highlights are taken to be round. Good for Phong, "
         "wrong for microfacets at grazing views. About tangents (hair, brushed metal) they are exact: "

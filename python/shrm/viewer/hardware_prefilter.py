@@ -119,6 +119,10 @@ class HardwarePrefilter:
         self.filters: tuple[tuple[Filter, Filter], ...] = ()
         if method != "exact":
             self.filters = tuple(filters(part.lobe.profile, size, clamp, largest_kernel) for part in lobes)
+        if not isinstance(half, bool):
+            raise TypeError(f"half must be True or False, got {half!r}")
+        if context is not None and not isinstance(context, Context):
+            raise TypeError(f"context must be a Context, got {type(context).__name__}")
         self._owns_context = context is None
         self._released, self._filled = False, False
         self.context = offscreen() if context is None else context
@@ -151,9 +155,11 @@ class HardwarePrefilter:
         Parameters
         ----------
         source : Environment, moderngl.Texture, moderngl.TextureCube or moderngl.Framebuffer
-            A texture is of this context: a lat-long picture whose first row of texels is about +z, or a cube
-            map with OpenGL's axes, +Z front (+x), +X right (-y), +Y up (+z). (Of a cube map without a mip-map
-            each texel takes 8 x 8 samples at the most.) Of a framebuffer its first attachment is taken.
+            A texture is of this context, of three or four components of floats (or of normalised numbers) and
+            read linearly between its texels: a lat-long picture whose first row of texels is about +z, or a
+            cube map with OpenGL's axes, +Z front (+x), +X right (-y), +Y up (+z). (Of a cube map without a
+            mip-map each texel takes 8 x 8 samples at the most.) Of a framebuffer its first attachment is
+            taken.
         rotation : (3, 3) array_like, optional
             R, by which it is turned before: L'(w) = L(R^T w).
 
@@ -176,6 +182,7 @@ class HardwarePrefilter:
         if isinstance(given, Environment):
             self._environment.upload(given.pixels, R)
         elif isinstance(given, moderngl.Texture | moderngl.TextureCube):
+            _require_readable(given)
             if given.ctx is not self.context.gl:
                 raise ValueError("source must be of the prefilter's OpenGL context, got one of another")
             self._environment.take(given, R)
@@ -243,6 +250,17 @@ class HardwarePrefilter:
 
     def __exit__(self, *_: object) -> None:
         self.release()
+
+
+def _require_readable(texture: moderngl.Texture | moderngl.TextureCube) -> None:
+    """Refuse what a shader would read as something else."""
+    if isinstance(texture.mglo, moderngl.InvalidObject):
+        raise ValueError("source must be a texture that was not released")
+    what = f"got one of {texture.components} components of {texture.dtype}"
+    if texture.components < 3 or texture.dtype[0] not in "fn":
+        raise ValueError(f"source must be a texture of three or four components of floats, {what}")
+    if isinstance(texture, moderngl.Texture) and (texture.samples or texture.depth):
+        raise ValueError("source must be a texture of one sample and of colours, not of depths")
 
 
 def _factored_lobes(brdf: Any) -> tuple[FactoredLobe, ...]:

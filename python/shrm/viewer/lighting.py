@@ -34,7 +34,7 @@ Drawn = ReflectionMap | Layered
 
 METHODS: Mapping[Method, Callable[[ReflectionMap, brdf.BRDF], Drawn]] = {
     "shrm": lambda rm, _: rm,
-    "kautz-mccool": lambda rm, _: without_azimuth(rm),
+    "kautz-mccool-3d": lambda rm, _: without_azimuth(rm),
     "kautz-mccool-2d": lambda rm, material: of_reflection_map(rm, material, "kautz-mccool-2d"),
     "miller-heidrich": lambda rm, material: of_reflection_map(rm, material, "miller-heidrich"),
     "cabral": lambda rm, material: of_reflection_map(rm, material, "cabral"),

@@ -38,7 +38,10 @@ def as_cube(part: Part, size: int) -> Part:
     if part.layout == "cube":
         return part
     if part.F < 0:
-        raise ValueError("lat-long maps without coefficients cannot be drawn by the GPU: use cube maps")
+        raise ValueError(
+            "lat-long maps without coefficients cannot be drawn by the GPU: make cube maps "
+            "(shrm prefilter --layout cube)"
+        )
     return part.resized(size, "cube")
 
 

@@ -16,7 +16,7 @@ from shrm.validation import one_of, rotation
 from shrm.viewer.orbit import Orbit
 from shrm.viewer.scene import Viewer
 
-Method = Literal["shrm", "kautz-mccool", "kautz-mccool-2d", "miller-heidrich", "cabral", "hardware"]
+Method = Literal["shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral", "hardware"]
 Shown = Literal["maps", "integration", "difference"]
 Up = Literal["y", "z"]
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
@@ -50,7 +50,7 @@ class State:
         Relative RMS error wanted of the reflected light; chooses the orders.
     orders : (F, P), optional
         The orders themselves, in place of a tolerance.
-    method : {"shrm", "kautz-mccool", "kautz-mccool-2d", "miller-heidrich", "cabral", "hardware"}
+    method : {"shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral", "hardware"}
         All that the orders hold of the reflected light; the same without the azimuth of the view
         (`shrm.explicit.without_azimuth`); by the techniques of `shrm.prefiltered`; or filtered on the GPU
         (`shrm.viewer.HardwarePrefilter`).
