@@ -49,6 +49,10 @@
 //              through Rough Surfaces. EGSR 2007.
 //   [AP07]     M. Ashikhmin, S. Premoze. Distribution-based BRDFs. Technical report, University
 //              of Utah, 2007.
+//   [AS00]     M. Ashikhmin, P. Shirley. An Anisotropic Phong BRDF Model. Journal of Graphics
+//              Tools 5(2), 2000.
+//   [H14]      E. Heitz. Understanding the Masking-Shadowing Function in Microfacet-Based
+//              BRDFs. JCGT 3(2), 2014.
 //   [PSS99]    A. J. Preetham, P. Shirley, B. Smits. A Practical Analytic Model for Daylight.
 //              SIGGRAPH 1999.
 //   [WSS13]    C. Wyman, P.-P. Sloan, P. Shirley. Simple Analytic Approximations to the CIE

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import _core, lobe_tables
+from shrm.brdf.lobe import refuse_anisotropic
 from shrm.lobe_integrals import (
     above_horizon,
     across,
@@ -67,7 +68,8 @@ class LobeDescent(Protocol):
 
 
 def lobe_descent(lobe: Any) -> LobeDescent:
-    """Tabulate a lobe of any kind."""
+    """Tabulate a lobe of any kind; an anisotropic one is refused."""
+    refuse_anisotropic(lobe)
     kind = kind_of(lobe)
     if kind == "radial":
         return RadialDescent(lobe.center, lobe.profile)

@@ -21,12 +21,16 @@ class HalfVector(NamedTuple):
 
     Attributes
     ----------
+    x2, y2
+        Squares of its components along the tangent and the bitangent.
     sin2, cos2
         Squares of sine and cosine of theta_h, the angle between N and H.
     cos_d
         L.H = V.H.
     """
 
+    x2: FloatArray
+    y2: FloatArray
     sin2: FloatArray
     cos2: FloatArray
     cos_d: FloatArray
@@ -39,13 +43,12 @@ def half_vector(wi: FloatArray, wo: FloatArray) -> HalfVector:
     digits for narrow lobes. Opposite vectors have no half vector: theta_h is 0 for them.
     """
     h = wi + wo
-    across2 = h[:, 0] ** 2 + h[:, 1] ** 2
-    up2 = h[:, 2] ** 2
-    length2 = across2 + up2
+    squares = h * h
+    length2 = squares.sum(axis=1)
     exists = length2 > 1e-60
-    sin2 = np.divide(across2, length2, out=np.zeros_like(length2), where=exists)
-    cos2 = np.divide(up2, length2, out=np.ones_like(length2), where=exists)
-    return HalfVector(sin2, cos2, np.minimum(0.5 * np.sqrt(length2), 1.0))  # |L + V| = 2 L.H
+    x2, y2 = (np.divide(squares[:, k], length2, out=np.zeros_like(length2), where=exists) for k in (0, 1))
+    cos2 = np.divide(squares[:, 2], length2, out=np.ones_like(length2), where=exists)
+    return HalfVector(x2, y2, x2 + y2, cos2, np.minimum(0.5 * np.sqrt(length2), 1.0))  # |L + V| = 2 L.H
 
 
 def schlick(f0: float | RGB, cos_d: FloatArray) -> FloatArray:

@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.brdf import BRDF, Material
-from shrm.brdf.lobe import Center
+from shrm.brdf.lobe import Center, refuse_anisotropic
 from shrm.central_direction import gamma_at, gamma_table
 from shrm.environment import Environment
 from shrm.explicit import fit
@@ -410,6 +410,7 @@ def _one(brdf: BRDF, cls: type, kinds: tuple[str, ...], *centers: Center) -> Mat
             f"{cls.__name__} holds one lobe, and {brdf.name} has {len(brdf.lobes)}: use prefiltered.prefilter"
         )
     (lobe,) = brdf.lobes
+    refuse_anisotropic(lobe)
     if lobe.kind not in kinds or not (lobe.kind == "isotropic" or lobe.center in centers):
         about = f" about the {' or the '.join(centers)}" if centers else ""
         raise ValueError(

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from shrm import sh
 from shrm.brdf import BRDF, Material
+from shrm.brdf.lobe import refuse_anisotropic
 from shrm.environment import Environment
 from shrm.icosahedral import icosahedron
 from shrm.kautz_mccool import factored, factored_phong
@@ -77,6 +78,7 @@ def prefilter(
     how = Layers.checked(env, brdf, integrator, error, size, layout)
     maps: list[PrefilteredMap] = []
     for lobe in brdf.lobes:
+        refuse_anisotropic(lobe)
         one = Material((lobe,), brdf.name)
         if lobe.kind == "radial":
             maps.append((Diffuse if lobe.center == "normal" else Phong)._made(one, how))
