@@ -30,6 +30,7 @@
 //              Environment Maps. Graphics Interface 2000.
 //   [KVHS00]   J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to
 //              Prefiltered Environment Maps. EGWR 2000.
+//   [LK03]     J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
 //   Mathematics
 //   [VMK88]    D. Varshalovich, A. Moskalev, V. Khersonskii. Quantum Theory of Angular
 //              Momentum. World Scientific, 1988.
@@ -39,6 +40,10 @@
 //              Sums. American Mathematical Monthly 74(4), 1967.
 //   [OS83]     A. van Oosterom, J. Strackee. The Solid Angle of a Plane Triangle. IEEE
 //              Transactions on Biomedical Engineering 30(2), 1983.
+//   [SC97]     P. Shirley, K. Chiu. A Low Distortion Map Between Disk and Square. Journal of
+//              Graphics Tools 2(3), 1997.
+//   [D82]      M. Duffy. Quadrature Over a Pyramid or Cube of Integrands with a Singularity at
+//              a Vertex. SIAM Journal on Numerical Analysis 19(6), 1982.
 //   Layouts, materials, light and color
 //   [HS98]     W. Heidrich, H.-P. Seidel. View-Independent Environment Maps. Graphics
 //              Hardware 1998.
@@ -93,6 +98,7 @@
 //   pyramid         a picture as a quadtree over two paraboloids
 //   hierarchical    the same sums by descent in the pyramid; walk is the descent, radial, zonal, isotropic
 //                   are the kinds of lobe
+//   directional_basis  matrix radiance transfer: tents over the hemisphere, for outgoing radiance
 //   simd            vectors of the instruction set that a file is compiled for
 //   stream          stores of what is larger than the caches
 #pragma once
