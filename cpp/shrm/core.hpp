@@ -31,6 +31,8 @@
 //   [KVHS00]   J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to
 //              Prefiltered Environment Maps. EGWR 2000.
 //   [LK03]     J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
+//   [WAT92]    S. Westin, J. Arvo, K. Torrance. Predicting Reflectance Functions from Complex
+//              Surfaces. SIGGRAPH 1992.
 //   Mathematics
 //   [VMK88]    D. Varshalovich, A. Moskalev, V. Khersonskii. Quantum Theory of Angular
 //              Momentum. World Scientific, 1988.

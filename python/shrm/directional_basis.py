@@ -256,14 +256,19 @@ def hemispherical_gram(m: int) -> FloatArray:
     """
     m = whole_number("m", m, 1, MOST_ORDER)
     # Polynomials of degree 2m - 2 in z, and frequencies up to 2m - 2 in phi
-    directions, weights = hemisphere_quadrature(m, 2 * m)
+    directions, weights = hemisphere_quadrature(2 * m, 2 * m)
     Y = sh.evaluate(np.eye(m * m), directions)
     return np.asarray(Y.T @ (weights[:, None] * Y))
 
 
 def hemisphere_quadrature(rings: int, azimuths: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss nodes in z on [0, 1] times equal steps of phi: directions (n, 3) and weights (n,), steradians."""
-    z, weight = unit_gauss(rings)
+    """Return directions (n, 3) on rings above the horizon, denser towards it, and weights (n,), steradians.
+
+    Gauss nodes in the root of z on [0, 1], exact for polynomials of degree `rings` - 1 in z, times equal
+    steps of phi, exact for frequencies below `azimuths`.
+    """
+    root, weight = unit_gauss(rings)
+    z, weight = root * root, 2 * root * weight
     phi = 2 * np.pi / azimuths * (np.arange(azimuths) + 0.5)
     sine = np.sqrt(1 - z * z)[:, None]
     directions = np.stack(np.broadcast_arrays(sine * np.cos(phi), sine * np.sin(phi), z[:, None]), axis=-1)
