@@ -9,7 +9,8 @@ rendered in real time:
 >>> radiance = rm.radiance([[0.0, 0.0, 1.0]], [0.6, 0.0, 0.8])
 
 The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `orders`, `reflection_map`,
-`explicit`, `reference`, `hierarchical`, `cost`, `prefiltering`, `methods`, `relighting`, `render`.
+`explicit`, `reference`, `hierarchical`, `cost`, `prefiltering`, `methods`, `relighting`, `render`; and for
+matrix radiance transfer `directional_basis`, `brdf_matrix`, `tangent_frames`.
 """
 
 from shrm import brdf, explicit, orders, sh
