@@ -282,6 +282,7 @@ def test_a_lobe_too_sharp_for_the_nodes_warns(monkeypatch):
         (lambda: brdf_matrix.project(AS, 4, 4, extension="odd"), ValueError, "extension must be one of"),
         (lambda: brdf_matrix.project(AS, 4, 4, window_above=4), ValueError, "window_above must be in"),
         (lambda: brdf_matrix.rows(AS, [[0, 0, -1.0]], 4), ValueError, "views must be above the horizon"),
+        (lambda: brdf_matrix.rows(AS, np.zeros((0, 3)), 4), ValueError, "views must be at least one"),
         (lambda: brdf_matrix.rows(AS, [[0, 0, 2.0]], 4), ValueError, "views must be unit"),
         (lambda: brdf_matrix.project_on_tents(AS, 11, 4), TypeError, "basis must be a DirectionalBasis"),
     ],

@@ -149,6 +149,7 @@ def rows(brdf: BRDF, views: npt.ArrayLike, n: int) -> FloatArray:
     Returns
     -------
     (k, n^2) or (3, k, n^2) float64
+        To some 1e-4 of their RMS; within a degree of the horizon, to some 1e-3.
 
     Warns
     -----
@@ -162,6 +163,8 @@ def rows(brdf: BRDF, views: npt.ArrayLike, n: int) -> FloatArray:
     """
     _require_material(brdf)
     at = unit_vectors("views", views)
+    if len(at) == 0:
+        raise ValueError("views must be at least one, got none")
     if np.any(at[:, 2] < 0):
         raise ValueError(f"views must be above the horizon, got {int(np.sum(at[:, 2] < 0))} with z < 0")
     sampled, error = _sampled(brdf, at, whole_number("n", n, 1, MOST_ORDER))

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shrm.brdf import parameters
-from shrm.brdf.half_vector import above_horizon, half_vector, schlick
+from shrm.brdf.half_vector import above_horizon, half_vector, schlick, tangential_squares
 from shrm.brdf.lobe import BRDF, AnisotropicLobe, FloatArray
 from shrm.validation import RGB, number, number_or_rgb
 
@@ -61,7 +61,8 @@ class AnisotropicGGX(BRDF):
 
     def _transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         h = half_vector(wi, wo)
-        stretched2 = h.x2 / self.alpha_x**2 + h.y2 / self.alpha_y**2 + h.cos2
+        x2, y2 = tangential_squares(wi, wo, h)
+        stretched2 = x2 / self.alpha_x**2 + y2 / self.alpha_y**2 + h.cos2
         D = 1.0 / (np.pi * self.alpha_x * self.alpha_y * stretched2**2)
         cos_l = np.maximum(wi[:, 2], 0.0)
         scalar = D * cos_l * self._g1_over_cosine(wi) * self._g1_over_cosine(wo) / 4.0

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shrm.brdf import parameters
-from shrm.brdf.half_vector import HalfVector, above_horizon, half_vector, schlick
+from shrm.brdf.half_vector import HalfVector, above_horizon, half_vector, schlick, tangential_squares
 from shrm.brdf.lobe import BRDF, AnisotropicLobe, FloatArray, IsotropicLobe, Lobe
 from shrm.validation import RGB, number, number_or_rgb
 
@@ -71,10 +71,8 @@ class AshikhminShirley(BRDF):
         h = half_vector(wi, wo)
         norm = np.sqrt((self.nu + 1.0) * (self.nv + 1.0)) / (8.0 * np.pi)
         larger = np.maximum(np.maximum(wi[:, 2], wo[:, 2]), 1e-300)
-        # [AS00] eq. 4; N.L / larger first, which is at most 1
-        scalar = (
-            norm * self._power(h) * (np.where(above, wi[:, 2], 0.0) / larger) / np.maximum(h.cos_d, 1e-30)
-        )
+        share = np.where(above, wi[:, 2], 0.0) / larger  # at most 1, however small both cosines are
+        scalar = norm * self._power(wi, wo, h) * share / np.maximum(h.cos_d, 1e-30)  # [AS00] eq. 4, times N.L
         F = schlick(self.Rs, h.cos_d)  # [AS00] eq. 6
         return np.asarray(F * (scalar if F.ndim == 1 else scalar[:, None]))
 
@@ -85,11 +83,12 @@ class AshikhminShirley(BRDF):
         scale = np.asarray(self.Rd) * (1.0 - np.asarray(self.Rs))
         return np.asarray(shape * scale if scale.ndim == 0 else shape[:, None] * scale)
 
-    def _power(self, h: HalfVector) -> FloatArray:
+    def _power(self, wi: FloatArray, wo: FloatArray, h: HalfVector) -> FloatArray:
         """(N.H)^e, without the digits that 1 - (N.H)^2 would lose for narrow lobes."""
+        x2, y2 = tangential_squares(wi, wo, h)
         near = h.sin2 < 0.5
         log_cos2 = np.log1p(-np.where(near, h.sin2, 0.0))
         log_cos2 = np.where(near, log_cos2, np.log(np.maximum(h.cos2, 1e-300)))
         # log(cos^2) / sin^2 tends to -1 at H = N
         slope = np.divide(log_cos2, h.sin2, out=np.full_like(h.sin2, -1.0), where=h.sin2 > 0.0)
-        return np.asarray(np.exp(0.5 * (self.nu * h.x2 + self.nv * h.y2) * slope))
+        return np.asarray(np.exp(0.5 * (self.nu * x2 + self.nv * y2) * slope))

@@ -21,16 +21,12 @@ class HalfVector(NamedTuple):
 
     Attributes
     ----------
-    x2, y2
-        Squares of its components along the tangent and the bitangent.
     sin2, cos2
         Squares of sine and cosine of theta_h, the angle between N and H.
     cos_d
         L.H = V.H.
     """
 
-    x2: FloatArray
-    y2: FloatArray
     sin2: FloatArray
     cos2: FloatArray
     cos_d: FloatArray
@@ -43,12 +39,19 @@ def half_vector(wi: FloatArray, wo: FloatArray) -> HalfVector:
     digits for narrow lobes. Opposite vectors have no half vector: theta_h is 0 for them.
     """
     h = wi + wo
-    squares = h * h
-    length2 = squares.sum(axis=1)
+    across2 = h[:, 0] ** 2 + h[:, 1] ** 2
+    up2 = h[:, 2] ** 2
+    length2 = across2 + up2
     exists = length2 > 1e-60
-    x2, y2 = (np.divide(squares[:, k], length2, out=np.zeros_like(length2), where=exists) for k in (0, 1))
-    cos2 = np.divide(squares[:, 2], length2, out=np.ones_like(length2), where=exists)
-    return HalfVector(x2, y2, x2 + y2, cos2, np.minimum(0.5 * np.sqrt(length2), 1.0))  # |L + V| = 2 L.H
+    sin2 = np.divide(across2, length2, out=np.zeros_like(length2), where=exists)
+    cos2 = np.divide(up2, length2, out=np.ones_like(length2), where=exists)
+    return HalfVector(sin2, cos2, np.minimum(0.5 * np.sqrt(length2), 1.0))  # |L + V| = 2 L.H
+
+
+def tangential_squares(wi: FloatArray, wo: FloatArray, h: HalfVector) -> tuple[FloatArray, FloatArray]:
+    """Return the squares (n,) of the components of H along the tangent and the bitangent."""
+    length2 = np.maximum(4.0 * h.cos_d**2, 1e-60)
+    return (wi[:, 0] + wo[:, 0]) ** 2 / length2, (wi[:, 1] + wo[:, 1]) ** 2 / length2
 
 
 def schlick(f0: float | RGB, cos_d: FloatArray) -> FloatArray:
