@@ -9,7 +9,8 @@ Models and measures follow Ramamoorthi & Hanrahan, "Frequency Space Environment 
 21(3), 2002 ([RH02]); Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007
 ([WMLT07]); Lafortune et al., "Non-Linear Approximation of Reflectance Functions", SIGGRAPH 1997; Kajiya &
 Kay, "Rendering Fur with Three Dimensional Textures", SIGGRAPH 1989; Kautz et al., "A Unified Approach to
-Prefiltered Environment Maps", EGWR 2000 ([KVHS00]).
+Prefiltered Environment Maps", EGWR 2000 ([KVHS00]); Ashikhmin & Shirley, "An Anisotropic Phong BRDF Model",
+JGT 5(2), 2000 ([AS00]).
 """
 
 from collections.abc import Callable
@@ -364,6 +365,44 @@ def beckmann(alpha: float, f0: npt.ArrayLike = 1.0) -> Transfer:
         return 2 / (1 + special.erf(a) + np.exp(-np.minimum(a * a, 700)) / (a * np.sqrt(np.pi)))
 
     return _facets(lambda tan2: np.exp(-tan2 / alpha**2) / (np.pi * alpha**2), G1, f0)
+
+
+def anisotropic_ggx(alpha_x: float, alpha_y: float) -> Transfer:
+    """[WMLT07] eqs. 33 and 34 with alpha^2 of the azimuth, f0 = 1: Heitz, JCGT 3(2), 2014."""
+
+    def G1(w: Array) -> Array:
+        phi = np.arctan2(w[:, 1], w[:, 0])
+        alpha2 = (alpha_x * np.cos(phi)) ** 2 + (alpha_y * np.sin(phi)) ** 2
+        return 2 / (1 + np.sqrt(1 + alpha2 * _tan(w) ** 2))
+
+    def transfer(wi: Array, wo: Array) -> Array:
+        wo = np.broadcast_to(wo, wi.shape)
+        h = _half(wi, wo)
+        phi = np.arctan2(h[:, 1], h[:, 0])
+        slopes2 = _tan(h) ** 2 * ((np.cos(phi) / alpha_x) ** 2 + (np.sin(phi) / alpha_y) ** 2)
+        D = 1 / (np.pi * alpha_x * alpha_y * h[:, 2] ** 4 * (1 + slopes2) ** 2)
+        return np.where((wi[:, 2] > 0) & (wo[:, 2] > 0), D * G1(wi) * G1(wo) / (4 * np.abs(wo[:, 2])), 0.0)
+
+    return transfer
+
+
+def ashikhmin_shirley(nu: float, nv: float, Rs: float = 1.0, Rd: float = 0.0) -> Transfer:
+    """[AS00] eqs. 4 to 6, the exponent by the azimuth of H, times N.L."""
+
+    def transfer(wi: Array, wo: Array) -> Array:
+        wo = np.broadcast_to(wo, wi.shape)
+        l, v = np.maximum(wi[:, 2], 0), np.maximum(wo[:, 2], 0)
+        h = _half(wi, wo)
+        phi = np.arctan2(h[:, 1], h[:, 0])
+        exponent = nu * np.cos(phi) ** 2 + nv * np.sin(phi) ** 2
+        h_l = np.sum(wi * h, axis=1)
+        F = Rs + (1 - Rs) * (1 - h_l) ** 5
+        norm = np.sqrt((nu + 1) * (nv + 1)) / (8 * np.pi)
+        glossy = norm * np.maximum(h[:, 2], 0) ** exponent / (h_l * np.maximum(np.maximum(l, v), 1e-300)) * F
+        diffuse = 28 * Rd / (23 * np.pi) * (1 - Rs) * (1 - (1 - l / 2) ** 5) * (1 - (1 - v / 2) ** 5)
+        return np.where((wi[:, 2] > 0) & (wo[:, 2] > 0), (glossy + diffuse) * l, 0.0)
+
+    return transfer
 
 
 def lafortune(xy: Array, z: Array, exponent: Array) -> Transfer:

@@ -13,6 +13,7 @@
 #include "shrm/brdf_analysis.hpp"
 #include "shrm/core.hpp"
 #include "shrm/cube_synthesis.hpp"
+#include "shrm/directional_basis.hpp"
 #include "shrm/evaluation.hpp"
 #include "shrm/explicit_maps.hpp"
 #include "shrm/grid.hpp"
@@ -260,6 +261,19 @@ void integrators() {
             }
 }
 
+void directional_basis() {
+    for (int M : {2, 3, 8})
+        for (int channels : {1, 3, 25}) {
+            auto directions = random_directions(33);
+            for (double u : {0., 0.5, 1.})
+                for (double v : {0., 0.5, 1.}) directions.push_back(shrm::hemisphere_from_square({u, v}));
+            const auto coefficients = random_values<double>(size(M * M * channels));
+            std::vector<double> values(directions.size() * size(channels)), sums(coefficients.size());
+            shrm::evaluate_tents(coefficients, channels, M, directions, values);
+            shrm::accumulate_tents(values, channels, M, directions, sums);
+        }
+}
+
 }  // namespace
 
 int main() {
@@ -270,5 +284,6 @@ int main() {
     reflection_maps();
     radiance();
     integrators();
+    directional_basis();
     std::puts("sanitize: done");
 }

@@ -43,6 +43,9 @@ PYTHON_ORDER = [
     ["prefiltered"],
     ["methods"],
     ["relighting"],
+    ["directional_basis"],
+    ["brdf_matrix"],
+    ["tangent_frames"],
     ["transfer"],
     ["render"],
     ["export"],
@@ -132,6 +135,7 @@ CORE_WRAPPERS = {
     "relighting",
     "lobe_integrals",
     "reference",
+    "directional_basis",
     "transfer",
 }
 ONLY_IN = {

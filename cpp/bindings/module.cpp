@@ -12,6 +12,7 @@ void bind_brdf_analysis(pybind11::module_& module);
 void bind_reflection_map(pybind11::module_& module);
 void bind_angular(pybind11::module_& module);
 void bind_hierarchical(pybind11::module_& module);
+void bind_directional_basis(pybind11::module_& module);
 }  // namespace shrm::bindings
 
 PYBIND11_MODULE(SHRM_MODULE, module) {
@@ -27,4 +28,5 @@ PYBIND11_MODULE(SHRM_MODULE, module) {
     bind_reflection_map(module);
     bind_angular(module);
     bind_hierarchical(module);
+    bind_directional_basis(module);
 }

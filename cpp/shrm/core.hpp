@@ -30,6 +30,9 @@
 //              Environment Maps. Graphics Interface 2000.
 //   [KVHS00]   J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to
 //              Prefiltered Environment Maps. EGWR 2000.
+//   [LK03]     J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
+//   [WAT92]    S. Westin, J. Arvo, K. Torrance. Predicting Reflectance Functions from Complex
+//              Surfaces. SIGGRAPH 1992.
 //   Mathematics
 //   [VMK88]    D. Varshalovich, A. Moskalev, V. Khersonskii. Quantum Theory of Angular
 //              Momentum. World Scientific, 1988.
@@ -39,6 +42,10 @@
 //              Sums. American Mathematical Monthly 74(4), 1967.
 //   [OS83]     A. van Oosterom, J. Strackee. The Solid Angle of a Plane Triangle. IEEE
 //              Transactions on Biomedical Engineering 30(2), 1983.
+//   [SC97]     P. Shirley, K. Chiu. A Low Distortion Map Between Disk and Square. Journal of
+//              Graphics Tools 2(3), 1997.
+//   [D82]      M. Duffy. Quadrature Over a Pyramid or Cube of Integrands with a Singularity at
+//              a Vertex. SIAM Journal on Numerical Analysis 19(6), 1982.
 //   Layouts, materials, light and color
 //   [HS98]     W. Heidrich, H.-P. Seidel. View-Independent Environment Maps. Graphics
 //              Hardware 1998.
@@ -49,6 +56,10 @@
 //              through Rough Surfaces. EGSR 2007.
 //   [AP07]     M. Ashikhmin, S. Premoze. Distribution-based BRDFs. Technical report, University
 //              of Utah, 2007.
+//   [AS00]     M. Ashikhmin, P. Shirley. An Anisotropic Phong BRDF Model. Journal of Graphics
+//              Tools 5(2), 2000.
+//   [H14]      E. Heitz. Understanding the Masking-Shadowing Function in Microfacet-Based
+//              BRDFs. JCGT 3(2), 2014.
 //   [PSS99]    A. J. Preetham, P. Shirley, B. Smits. A Practical Analytic Model for Daylight.
 //              SIGGRAPH 1999.
 //   [WSS13]    C. Wyman, P.-P. Sloan, P. Shirley. Simple Analytic Approximations to the CIE
@@ -89,6 +100,7 @@
 //   pyramid         a picture as a quadtree over two paraboloids
 //   hierarchical    the same sums by descent in the pyramid; walk is the descent, radial, zonal, isotropic
 //                   are the kinds of lobe
+//   directional_basis  matrix radiance transfer: tents over the hemisphere, for outgoing radiance
 //   simd            vectors of the instruction set that a file is compiled for
 //   stream          stores of what is larger than the caches
 #pragma once

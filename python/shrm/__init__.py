@@ -10,7 +10,7 @@ rendered in real time:
 
 The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `orders`, `reflection_map`,
 `explicit`, `reference`, `hierarchical`, `cost`, `prefiltering`, `prefiltered`, `methods`, `relighting`,
-`render`.
+`directional_basis`, `brdf_matrix`, `tangent_frames`, `render`.
 """
 
 from shrm import brdf, explicit, orders, prefiltered, sh

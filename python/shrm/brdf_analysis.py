@@ -31,7 +31,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from shrm import _core
-from shrm.brdf.lobe import Center, IsotropicLobe, Kind, Lobe, RadialLobe, ZonalLobe
+from shrm.brdf.lobe import Center, IsotropicLobe, Kind, Lobe, RadialLobe, ZonalLobe, refuse_anisotropic
 from shrm.central_direction import gamma_at, gamma_table, lobe_centre
 from shrm.lobe_quadrature import (
     FloatArray,
@@ -160,7 +160,13 @@ def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
     Returns
     -------
     LobeAnalysis
+
+    Raises
+    ------
+    ValueError
+        If the lobe is anisotropic.
     """
+    refuse_anisotropic(lobe)
     if isinstance(lobe, RadialLobe):
         return _analyse_radial(lobe, L)
     if isinstance(lobe, ZonalLobe):

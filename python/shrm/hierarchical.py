@@ -27,8 +27,8 @@ from shrm.validation import fraction, number, one_of, unit_vectors, whole_number
 Array = npt.NDArray[np.float64]
 Radiance = npt.NDArray[np.float32]
 
-SAMPLED_BLOCKS = 64
-"""Blocks of a map from which a threshold is found for an error."""
+SAMPLED_BLOCKS, SAMPLED_RADIAL = 64, 256
+"""Blocks of maps from which a threshold is found for an error; of the one map that a radial lobe has."""
 EXACT = 1e-2
 """A threshold, in errors wanted, that leaves next to none: the sum over all texels would take long."""
 FINE = 1e-3
@@ -61,8 +61,8 @@ def prefilter_hierarchical(
     error : float, optional
         Relative RMS error wanted against the sum over all texels, in (0, 1); default .01. It is meant over
         the maps of all views together: where most of what is reflected is at grazing views or from light at
-        the horizon (microfacets of f0 = 0), a single map, or all, may have several times as much. The threshold is found from some blocks of texels of maps of random
-        views.
+        the horizon (microfacets of f0 = 0), a single map, or all, may have several times as much. The
+        threshold is found from some blocks of texels of maps of random views.
     threshold : float, optional
         In its place: by how much the light of a node may change, its brightness times the difference of the
         lobe between it and its parent, in parts of the mean reflected light. 0 visits every texel.
@@ -238,11 +238,12 @@ class HierarchicalReflection:
         chance = 0.5 * energy / total + 0.5 / len(energy)
         if difference.any():
             chance = 0.5 * chance + 0.5 * difference / difference.sum()
-        drawn = random.choice(len(energy), SAMPLED_BLOCKS, p=chance / chance.sum())
+        sampled = SAMPLED_BLOCKS if lobe.depends_on_view else SAMPLED_RADIAL
+        drawn = random.choice(len(energy), sampled, p=chance / chance.sum())
         places = drawn[:, None] * block + np.arange(block)
         inside = places < count
         places = np.minimum(places, count - 1)
-        weight = inside * area[places, 0] / (SAMPLED_BLOCKS * chance[drawn])[:, None] / total
+        weight = inside * area[places, 0] / (sampled * chance[drawn])[:, None] / total
         n, v, t = (np.ascontiguousarray(d[places.ravel()]) for d in frames)
         exact = self._reflected(lobe, (n, v, t), EXACT * error).astype(np.float64)
 

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from shrm.brdf.lobe import Lobe, RadialLobe, ZonalLobe
+from shrm.brdf.lobe import Lobe, RadialLobe, ZonalLobe, refuse_anisotropic
 from shrm.brdf.phong import Phong
 from shrm.central_direction import lobe_centre
 from shrm.validation import whole_number
@@ -237,6 +237,7 @@ def _table(lobe: Lobe) -> _Table:
         grid = _Grid(_width(lobe))
         o, i = np.meshgrid(lobe.theta_o(theta_v), grid.nodes, indexing="ij")
         return _Table(grid, lobe.profile(i.ravel(), o.ravel()).reshape(VIEWS, LIGHTS, -1))
+    refuse_anisotropic(lobe)
     if lobe.kind != "isotropic":
         raise ValueError(f"a {lobe.kind} lobe about the {lobe.center} is no lobe to be made symmetric")
     _, width = lobe_centre(lobe.transfer)

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import _core, lobe_tables
-from shrm.brdf.lobe import Center
+from shrm.brdf.lobe import Center, refuse_anisotropic
 from shrm.central_direction import gamma_at, gamma_table, lobe_centre
 from shrm.lobe_integrals import (
     above_horizon,
@@ -74,7 +74,8 @@ class LobeDescent(Protocol):
 
 
 def lobe_descent(lobe: Any) -> LobeDescent:
-    """Tabulate a lobe of any kind."""
+    """Tabulate a lobe of any kind; an anisotropic one is refused."""
+    refuse_anisotropic(lobe)
     kind = kind_of(lobe)
     if kind == "radial":
         return RadialDescent(lobe.center, lobe.profile)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 import shrm._core as _core
 from shrm import lobe_tables
+from shrm.brdf.lobe import refuse_anisotropic
 from shrm.central_direction import gamma_table
 from shrm.radial_table import RadialTable, integral_within, radial_table
 from shrm.validation import one_of
@@ -48,7 +49,7 @@ class LobeIntegral(Protocol):
 def kind_of(lobe: Any) -> str:
     """Return a lobe's kind, as `shrm.brdf.lobe.Lobe` has it; other classes need not say theirs."""
     if not hasattr(lobe, "profile"):
-        return "isotropic"
+        return str(getattr(lobe, "kind", "isotropic"))
     return str(getattr(lobe, "kind", "zonal" if lobe.center == "tangent" else "radial"))
 
 
@@ -56,8 +57,9 @@ def lobe_integral(lobe: Any, tolerance: float, center: str | None, share: bool) 
     """Tabulate a lobe of any kind; `center` replaces an isotropic lobe's own.
 
     With `share`, queries that have the first one's view read their half vectors from one table (lobes of the
-    half angle alone).
+    half angle alone). An anisotropic lobe is refused.
     """
+    refuse_anisotropic(lobe)
     kind = kind_of(lobe)
     if kind == "zonal":
         return ZonalIntegral(lobe.center, lobe.profile, tolerance)

@@ -144,14 +144,17 @@ def tabulate(transfer: Transfer, theta_v: FloatArray, gamma: FloatArray, nodes: 
     views, K, I = nodes.shape
     step = max(_BLOCK // (K * I), 1)
     blocks = [slice(v, min(v + step, views)) for v in range(0, views, step)]
-    parts = [columns(transfer(*_frames(theta_v, gamma, nodes, at))) for at in blocks]
+    parts = [columns(transfer(*light_and_view(theta_v, gamma, nodes, at))) for at in blocks]
     return np.concatenate(parts).reshape(views, K, I, -1)
 
 
-def _frames(
+def light_and_view(
     theta_v: FloatArray, gamma: FloatArray, nodes: Quadrature, at: slice
 ) -> tuple[FloatArray, FloatArray]:
-    """Return wi and wo at the nodes of some views, (n, 3) each, their components contiguous."""
+    """Return wi and wo at the nodes of some views, with phi in [0, arc], V at azimuth 0 about N.
+
+    (views K I, 3) each, their components contiguous.
+    """
     wi, wo = _core.directions(
         theta_v=theta_v[at], gamma=gamma[at], theta_i=nodes.theta_i[at], arc=nodes.arc[at], share=nodes.share
     )

@@ -87,7 +87,8 @@ def integrate(
         Any object with `lobes`.
     normals, views, tangents : (n, 3) array_like
         Unit vectors in the world frame; views point from the surface to the eye, and one view (3,) may serve
-        all normals. Tangents are needed for lobes about the tangent and ignored by others.
+        all normals. Tangents are needed for lobes about the tangent and for anisotropic ones, whose frames
+        have x along the tangent's part square to the normal; others ignore them.
     subsamples : int
         Each texel is sampled by subsamples^2 Gauss nodes, in [1, 16].
 
@@ -107,10 +108,11 @@ def integrate(
     nodes, power = _nodes(pixels, whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES))
     result = np.zeros((len(n), 3))
     for lobe in brdf.lobes:
+        kind = kind_of(lobe)
         axes, seen_from = (t, v) if lobe.center == "tangent" else (n, v)
-        if kind_of(lobe) == "isotropic":
+        if kind in ("isotropic", "anisotropic"):
             axes, seen_from = above_horizon(lobe.center, n, v)
-        for k, frame in enumerate(local_frames(axes, seen_from)):
+        for k, frame in enumerate(local_frames(axes, t if kind == "anisotropic" else seen_from)):
             wo = np.tile(seen_from[k] @ frame, (_CHUNK, 1))
             for start in range(0, len(nodes), _CHUNK):
                 wi = nodes[start : start + _CHUNK] @ frame
@@ -414,6 +416,8 @@ def queries(
     v = unit_vectors("views", views, len(n))
     if tangents is not None:
         return n, v, unit_vectors("tangents", tangents, len(n))
-    if any(lobe.center == "tangent" for lobe in lobes):
-        raise ValueError("tangents are None, but a lobe about the tangent needs them, (n, 3)")
+    if any(lobe.center == "tangent" or kind_of(lobe) == "anisotropic" for lobe in lobes):
+        raise ValueError(
+            "tangents are None, but a lobe about the tangent needs them, as does an anisotropic one: (n, 3)"
+        )
     return n, v, n

@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
+I64 = npt.NDArray[np.int64]
 F16 = npt.NDArray[np.float16]
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -181,3 +182,9 @@ def hierarchical_isotropic(
     normals: F64,
     views: F64,
 ) -> tuple[F32, float]: ...
+
+# directional_basis
+def hemisphere_from_square(*, positions: F64) -> F64: ...
+def tents(*, directions: F64, M: int) -> tuple[I64, F64]: ...
+def evaluate_tents(*, coefficients: F64, directions: F64, M: int) -> F64: ...
+def accumulate_tents(*, values: F64, directions: F64, M: int) -> F64: ...

@@ -10,12 +10,15 @@ function of (wi, wo).
     microfacet    lafortune    ggx    beckmann    tabulated    about the lobe centre
     miller_heidrich                                            about normal and reflection
     kajiya_kay    banks                                        about the tangent
+    ashikhmin_shirley    anisotropic_ggx                       anisotropic: for matrix radiance transfer
     function      from a Python function, about any of them
     parse         materials from text, for the command line
     albedo        directional albedo by quadrature
 """
 
 from shrm.brdf.albedo import directional_albedo
+from shrm.brdf.anisotropic_ggx import AnisotropicGGX
+from shrm.brdf.ashikhmin_shirley import AshikhminShirley
 from shrm.brdf.banks import Banks
 from shrm.brdf.beckmann import Beckmann
 from shrm.brdf.function import from_function
@@ -23,7 +26,16 @@ from shrm.brdf.ggx import GGX
 from shrm.brdf.kajiya_kay import KajiyaKay
 from shrm.brdf.lafortune import Lafortune
 from shrm.brdf.lambert import Lambert
-from shrm.brdf.lobe import BRDF, Center, IsotropicLobe, Lobe, Material, RadialLobe, ZonalLobe
+from shrm.brdf.lobe import (
+    BRDF,
+    AnisotropicLobe,
+    Center,
+    IsotropicLobe,
+    Lobe,
+    Material,
+    RadialLobe,
+    ZonalLobe,
+)
 from shrm.brdf.microfacet import Microfacet
 from shrm.brdf.miller_heidrich import MillerHeidrich
 from shrm.brdf.parse import parse
@@ -33,6 +45,9 @@ from shrm.brdf.tabulated import Tabulated
 __all__ = [
     "BRDF",
     "GGX",
+    "AnisotropicGGX",
+    "AnisotropicLobe",
+    "AshikhminShirley",
     "Banks",
     "Beckmann",
     "Center",

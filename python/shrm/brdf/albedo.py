@@ -13,6 +13,7 @@ shrink geometrically towards the places where lobes peak and break at the places
     zonal       about C: one integral over theta_i, panels halving towards 0, theta_o and pi - theta_o
     isotropic   about R: panels halve towards theta = 0; the range of phi at each theta is the
                 part above the horizon, known in closed form, with panels halving towards its ends
+    anisotropic about N: panels of theta and phi halve towards R, in theta up to the horizon
 
 The number of nodes per panel is doubled until the result keeps to 1e-8.
 """
@@ -21,20 +22,22 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import numpy.typing as npt
 
-from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
-from shrm.validation import real_array
+from shrm.brdf.lobe import BRDF, AnisotropicLobe, FloatArray, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
+from shrm.validation import number, real_array
 
 # Panels halve this often: the smallest, pi / 2^22, is below the narrowest lobe allowed.
 _HALVINGS = 22
 _TOLERANCE = 1e-8
+# In two dimensions at once: to 7e-4 radians.
+_TOWARDS_R = 12
 
 
-def directional_albedo(brdf: BRDF, cos_theta_v: npt.ArrayLike) -> FloatArray:
+def directional_albedo(brdf: BRDF, cos_theta_v: npt.ArrayLike, phi_v: float = 0.0) -> FloatArray:
     """Integrate a material's transfer function over all light directions.
 
     Parameters
@@ -43,11 +46,14 @@ def directional_albedo(brdf: BRDF, cos_theta_v: npt.ArrayLike) -> FloatArray:
         A material whose lobes share a frame.
     cos_theta_v : (n,) array_like
         N.V in [0, 1]; for a material about the tangent T.V in [-1, 1].
+    phi_v : float
+        Azimuth of V from the tangent, radians: only anisotropic lobes depend on it.
 
     Returns
     -------
     (n, channels) float64
-        To 1e-6 for the built-in models; a warning says where the quadrature did not settle.
+        To 1e-6 for the built-in models, 1e-4 for anisotropic ones; a warning says where the quadrature did
+        not settle to 1e-6.
 
     Raises
     ------
@@ -63,16 +69,17 @@ def directional_albedo(brdf: BRDF, cos_theta_v: npt.ArrayLike) -> FloatArray:
             f"cos_theta_v must have the shape (n,) and lie in [{lowest:g}, 1], got shape {cosines.shape} "
             f"from {cosines.min(initial=1.0):g} to {cosines.max(initial=0.0):g}"
         )
+    azimuth = number("phi_v", phi_v)
     result = np.zeros((len(cosines), brdf.channels))
     for lobe in brdf.lobes:
         for row, cosine in enumerate(cosines):
-            result[row] += _settled(lobe, float(cosine))
+            result[row] += _settled(lobe, float(cosine), azimuth)
     return result
 
 
-def _settled(lobe: Lobe, cos_theta_v: float) -> FloatArray:
+def _settled(lobe: Lobe, cos_theta_v: float, phi_v: float) -> FloatArray:
     """The integral of a lobe, (1,) or (3,), with as many nodes as it takes."""
-    integral = _integral_of(lobe)
+    integral = _integral_of(lobe, phi_v)
     coarse = integral(lobe, cos_theta_v, 6)
     change = np.inf
     for nodes in (12, 24, 48):
@@ -90,9 +97,11 @@ def _settled(lobe: Lobe, cos_theta_v: float) -> FloatArray:
     return coarse
 
 
-def _integral_of(lobe: Lobe) -> Callable[[Lobe, float, int], FloatArray]:
+def _integral_of(lobe: Lobe, phi_v: float) -> Callable[[Lobe, float, int], FloatArray]:
     if isinstance(lobe, RadialLobe):
         return _radial
+    if isinstance(lobe, AnisotropicLobe):
+        return partial(_anisotropic, phi_v=phi_v)
     return _zonal if isinstance(lobe, ZonalLobe) else _isotropic
 
 
@@ -147,6 +156,27 @@ def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
     wo = np.broadcast_to([sin_v, 0.0, cos_theta_v], wi.shape)
     weight = 2.0 * (theta_weight * np.sin(theta) * widest)[:, None] * part_weight  # 2: phi and -phi
     return _weighted(weight.ravel(), lobe.transfer(wi, np.ascontiguousarray(wo)))
+
+
+def _anisotropic(lobe: Lobe, cos_theta_v: float, nodes: int, *, phi_v: float) -> FloatArray:
+    sin_v = np.sqrt((1.0 - cos_theta_v) * (1.0 + cos_theta_v))
+    theta_v = np.arctan2(sin_v, cos_theta_v)
+    # Broken at theta = theta_v, where [AS00]'s max(N.L, N.V) has a kink, and at the horizon.
+    below, above = (
+        theta_v - _halving(0.0, theta_v)[-_TOWARDS_R:],
+        theta_v + _halving(0.0, np.pi / 2 - theta_v),
+    )
+    theta, theta_weight = _gauss(
+        np.unique(np.concatenate([[0.0], below, above[-_TOWARDS_R:], [theta_v]])), nodes
+    )
+    half = _halving(0.0, np.pi)[-_TOWARDS_R:]
+    phi, phi_weight = _gauss(np.concatenate([-half[::-1], [0.0], half]), nodes)
+    phi = phi + (phi_v + np.pi)  # from the azimuth of R
+    sine, cosine = np.sin(theta)[:, None], np.cos(theta)[:, None] + 0.0 * phi
+    wi = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], axis=-1).reshape(-1, 3)
+    view = [sin_v * np.cos(phi_v), sin_v * np.sin(phi_v), cos_theta_v]
+    weight = (theta_weight * np.sin(theta))[:, None] * phi_weight
+    return _weighted(weight.ravel(), lobe.transfer(wi, np.tile(view, (len(wi), 1))))
 
 
 def _weighted(weight: FloatArray, values: FloatArray) -> FloatArray:

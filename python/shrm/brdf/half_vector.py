@@ -48,6 +48,12 @@ def half_vector(wi: FloatArray, wo: FloatArray) -> HalfVector:
     return HalfVector(sin2, cos2, np.minimum(0.5 * np.sqrt(length2), 1.0))  # |L + V| = 2 L.H
 
 
+def tangential_squares(wi: FloatArray, wo: FloatArray, h: HalfVector) -> tuple[FloatArray, FloatArray]:
+    """Return the squares (n,) of the components of H along the tangent and the bitangent."""
+    length2 = np.maximum(4.0 * h.cos_d**2, 1e-60)
+    return (wi[:, 0] + wo[:, 0]) ** 2 / length2, (wi[:, 1] + wo[:, 1]) ** 2 / length2
+
+
 def schlick(f0: float | RGB, cos_d: FloatArray) -> FloatArray:
     """Schlick's Fresnel term f0 + (1 - f0) (1 - cos_d)^5, (n,) or (n, 3)."""
     rest = (1.0 - cos_d) ** 5

@@ -9,7 +9,8 @@ z = normal. For lobes about the tangent the frame has z = T instead, and there i
 
     RadialLobe      rho_hat = profile(C.L)                 one dimension: Lambert, Phong
     ZonalLobe       rho_hat = profile(theta_i, theta_o)    angles from C: Kajiya-Kay, Banks
-    IsotropicLobe   rho_hat = function(wi, wo)             everything else
+    IsotropicLobe   rho_hat = function(wi, wo)             any that turns with L and V about N
+    AnisotropicLobe rho_hat = function(wi, wo)             everything else; no reflection map holds it
 
 The central direction, with theta_v the angle between N and V [RH02 sec. 3.1]:
 
@@ -29,7 +30,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import ClassVar, Literal, get_args
 
@@ -42,7 +43,7 @@ from shrm.validation import RGB, number_or_rgb, one_of, unit_vectors
 FloatArray = npt.NDArray[np.float64]
 Center = Literal["lobe", "reflection", "normal", "tangent"]
 Frame = Literal["normal", "tangent"]
-Kind = Literal["radial", "zonal", "isotropic"]
+Kind = Literal["radial", "zonal", "isotropic", "anisotropic"]
 
 
 class Lobe(ABC):
@@ -52,8 +53,9 @@ class Lobe(ABC):
     ----------
     center : {"lobe", "reflection", "normal", "tangent"}
         The central direction C.
-    kind : {"radial", "zonal", "isotropic"}
-        What it depends on: theta_i alone, both angles from C, or the azimuth between them too.
+    kind : {"radial", "zonal", "isotropic", "anisotropic"}
+        What it depends on: theta_i alone, both angles from C, the azimuth between them too, or each
+        azimuth from the tangent.
     """
 
     center: Center
@@ -196,6 +198,38 @@ class IsotropicLobe(Lobe):
     def scaled(self, factor: float | RGB) -> IsotropicLobe:
         """Return the lobe times a number, or times one per channel."""
         return replace(self, function=lambda wi, wo: _times(self.function(wi, wo), factor))
+
+
+@dataclass(frozen=True)
+class AnisotropicLobe(Lobe):
+    """A lobe of four angles, which no reflection map holds: it depends on each azimuth from the tangent.
+
+    Parameters
+    ----------
+    function : callable
+        wi, wo, (n, 3) float64, to (n,) or (n, 3) float64, zero where N.L <= 0.
+    """
+
+    kind = "anisotropic"
+    center: Center = field(default="normal", init=False)
+    function: Callable[[FloatArray, FloatArray], FloatArray]
+
+    def transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat; see `Lobe.transfer`."""
+        return self.function(wi, wo)
+
+    def scaled(self, factor: float | RGB) -> AnisotropicLobe:
+        """Return the lobe times a number, or times one per channel."""
+        return AnisotropicLobe(lambda wi, wo: _times(self.function(wi, wo), factor))
+
+
+def refuse_anisotropic(lobe: object) -> None:
+    """Raise ValueError if a lobe is anisotropic."""
+    if getattr(lobe, "kind", None) == "anisotropic":
+        raise ValueError(
+            "an anisotropic lobe depends on the azimuths of light and view each, and a reflection map over "
+            "two or three dimensions cannot hold that: use matrix radiance transfer (shrm.brdf_matrix)"
+        )
 
 
 class BRDF(ABC):
@@ -371,6 +405,8 @@ def _recentred(material: BRDF, center: Center, merge: bool) -> BRDF:
         return Material(tuple(moved), material.name)
     if center == "tangent":
         raise ValueError(f"{material.name} cannot be merged about the tangent: its lobes have no normal")
+    for lobe in material.lobes:
+        refuse_anisotropic(lobe)
     if any(_has_no_horizon(lobe) for lobe in material.lobes):
         raise ValueError(
             f"{material.name} cannot be merged: its lobe about the reflection has no horizon, "

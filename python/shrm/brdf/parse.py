@@ -20,6 +20,8 @@ import dataclasses
 import re
 from collections.abc import Mapping
 
+from shrm.brdf.anisotropic_ggx import AnisotropicGGX
+from shrm.brdf.ashikhmin_shirley import AshikhminShirley
 from shrm.brdf.banks import Banks
 from shrm.brdf.beckmann import Beckmann
 from shrm.brdf.ggx import GGX
@@ -42,6 +44,8 @@ MODELS: Mapping[str, type[BRDF]] = {
     "miller-heidrich": MillerHeidrich,
     "kajiya-kay": KajiyaKay,
     "banks": Banks,
+    "ashikhmin-shirley": AshikhminShirley,
+    "anisotropic-ggx": AnisotropicGGX,
 }
 
 _TERM = re.compile(r"(?P<name>[A-Za-z][\w-]*)\s*(?::(?P<after>.*)|\((?P<within>.*)\))?", re.DOTALL)

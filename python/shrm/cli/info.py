@@ -121,6 +121,9 @@ def material_lines(brdf: BRDF) -> list[str]:
         + "  (degrees of the view)"
     ]
     for index, lobe in enumerate(brdf.lobes, start=1):
+        if lobe.kind == "anisotropic":
+            lines.append(f"  lobe {index}         anisotropic: for matrix radiance transfer, no map holds it")
+            continue
         found = orders.choose(Material((lobe,), f"lobe {index}"), tolerance=0.03, criterion="brdf")
         lines.append(
             f"  lobe {index}         about the {lobe.center}, F = {found.F}, P = {found.P}"

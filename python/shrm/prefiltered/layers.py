@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.brdf import BRDF, Material
-from shrm.brdf.lobe import Center, Lobe
+from shrm.brdf.lobe import Center, Lobe, refuse_anisotropic
 from shrm.central_direction import gamma_table
 from shrm.cost import ANGULAR_SHARE
 from shrm.environment import Environment
@@ -111,6 +111,7 @@ def one_lobe(brdf: BRDF, name: str, kinds: tuple[str, ...], centers: tuple[Cente
             f"{name} holds one lobe, and {brdf.name} has {len(brdf.lobes)}: use prefiltered.prefilter"
         )
     (lobe,) = brdf.lobes
+    refuse_anisotropic(lobe)
     if lobe.kind not in kinds or not (lobe.kind == "isotropic" or lobe.center in centers):
         about = f" about the {' or the '.join(centers)}" if centers else ""
         raise ValueError(

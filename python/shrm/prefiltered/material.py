@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from shrm import sh
 from shrm.brdf import BRDF, Material
-from shrm.brdf.lobe import Lobe, ZonalLobe
+from shrm.brdf.lobe import Lobe, ZonalLobe, refuse_anisotropic
 from shrm.brdf_analysis import analyse
 from shrm.central_direction import gamma_table
 from shrm.environment import Environment
@@ -81,6 +81,7 @@ def prefilter(
     how = Layers.checked(env, brdf, integrator, error, size, layout)
     maps: list[PrefilteredMap] = []
     for lobe in brdf.lobes:
+        refuse_anisotropic(lobe)
         one = Material((lobe,), brdf.name)
         if lobe.kind == "radial":
             maps.append((Diffuse if lobe.center == "normal" else Phong)._made(one, how))
