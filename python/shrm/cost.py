@@ -18,14 +18,13 @@ References
 
 from __future__ import annotations
 
+import math
 import warnings
 from typing import Literal
 
 from shrm.brdf import BRDF
 from shrm.environment import Environment
-from shrm.lobe_descents import LEFT_OUT
-from shrm.lobe_integrals import for_all_views, share_visited
-from shrm.lobe_tables import zonal_table
+from shrm.lobe_integrals import half_width, share_visited
 from shrm.orders import Orders, ToleranceWarning, choose
 from shrm.rings import Layout
 
@@ -49,8 +48,8 @@ _PYRAMID = 1.2e-7  # per texel of the light
 _DESCENT = {"radial": 3e-7, "zonal": 1.2e-6, "isotropic": 5e-6}  # per texel of a map, at 1 to 3%
 _RING_WIDTH = 0.05  # from which on rings take more evaluations, in inverse proportion
 _SEARCH, _SEARCH_TEXELS = 3.0, 2e4  # for a threshold: in maps, and in texels besides
-_TEXELS_TO_A_DEGREE = 4.0
-"""Rows that a light needs for each degree of a lobe, for its texels to count as points."""
+_TEXELS_TO_A_WIDTH = 1.5
+"""How many texels of the light a lobe's half width must hold, for them to count as points."""
 
 
 def cheapest(
@@ -102,7 +101,7 @@ def cheapest(
     }
     if not chosen.limited_by:
         seconds["frequency"] = frequency_seconds(*work, chosen)
-    if min(H, W / 2) >= _TEXELS_TO_A_DEGREE * chosen.F:
+    if min(map(half_width, brdf.lobes)) >= _TEXELS_TO_A_WIDTH * max(math.pi / H, 2 * math.pi / W):
         seconds["hierarchical"] = hierarchical_seconds(*work)
     return min(seconds, key=lambda method: seconds[method])
 
@@ -150,7 +149,6 @@ def hierarchical_seconds(light_texels: int, brdf: BRDF, texels: int, layout: Lay
         maps = _SEARCH + (1 if kind == "radial" else views)
         per_texel = _DESCENT[kind] * (_COLOURED if lobe.channels == 3 else 1.0)
         if kind == "zonal":  # a ring is entered all along
-            width = zonal_table(for_all_views(lobe.center, lobe.profile), LEFT_OUT).width  # type: ignore[attr-defined]
-            per_texel *= max(1.0, _RING_WIDTH / width)
+            per_texel *= max(1.0, _RING_WIDTH / half_width(lobe))
         seconds += _TABLES[kind] + (maps * texels + _SEARCH_TEXELS) * per_texel
     return seconds

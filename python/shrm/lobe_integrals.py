@@ -14,7 +14,7 @@ import numpy.typing as npt
 import shrm._core as _core
 from shrm import lobe_tables
 from shrm.brdf.lobe import refuse_anisotropic
-from shrm.central_direction import gamma_table
+from shrm.central_direction import gamma_table, lobe_centre
 from shrm.radial_table import RadialTable, integral_within, radial_table
 from shrm.validation import one_of
 
@@ -83,6 +83,21 @@ def share_visited(lobe: Any, tolerance: float) -> float:
         return float(np.average(0.5 * (np.cos(bands[:, 0]) - np.cos(bands[:, 1])), weights=weight))
     _, outer = lobe_tables.cap_at(lobe.transfer, float(np.sqrt(0.5)), tolerance)
     return float(0.5 * (1 - np.cos(min(outer, np.pi / 2))))
+
+
+def half_width(lobe: Any) -> float:
+    """Return an angle from the centre within which half of a lobe is, radians.
+
+    Of a radial lobe's integral; of the square of an isotropic one, for the narrowest view; for zonal ones,
+    half the width of the narrowest ring that holds half of it.
+    """
+    kind = kind_of(lobe)
+    if kind == "radial":
+        angle, within = integral_within(lobe.profile)
+        return float(np.interp(0.5, within, angle))
+    if kind == "zonal":
+        return lobe_tables.zonal_table(for_all_views(lobe.center, lobe.profile), 0.5).width
+    return lobe_centre(lobe.transfer)[1]
 
 
 class RadialIntegral:
