@@ -73,8 +73,7 @@ class Result:
 
     def markdown(self, level: int = 1) -> str:
         """Return the table with its title, picture and notes; the title is a heading of that level."""
-        kind, _, number = self.name.partition("-")
-        lines = [f"{'#' * level} {kind.capitalize()} {number}: {self.title}", ""]
+        lines = [f"{'#' * level} {self.name.replace('-', ' ').capitalize()}: {self.title}", ""]
         lines += [_row(self.columns), _row("---" for _ in self.columns)]
         lines += [_row(_shown(cell) for cell in row) for row in self.rows]
         lines += ["", f"![{self.title}]({self.name}.png)"] if self.figure is not None else []
