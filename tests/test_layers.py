@@ -19,7 +19,7 @@ PYTHON_ORDER = [
     ["color"],
     ["image_io"],
     ["layouts"],
-    ["daylight"],
+    ["daylight", "paraboloid"],
     ["environment"],
     ["brdf"],
     ["lobe_quadrature"],

@@ -10,9 +10,9 @@ import pytest
 from directions import sphere
 from light import band_limited_environment
 from shrm import Environment, brdf, layouts, prefilter_angular
+from shrm.paraboloid import face_directions
 from shrm.prefiltered import prefilter as prefilter_explicit
 from shrm.viewer import Context, ContextError, HardwarePrefilter, offscreen
-from shrm.viewer.paraboloid import face_directions
 from shrm.viewer.paraboloid_kernels import filters, integral, taps, texture_kernel
 from shrm.viewer.paraboloid_textures import Faces
 

@@ -8,6 +8,7 @@ import oracles
 import pytest
 from directions import sphere
 from shrm import Environment, brdf
+from shrm.paraboloid import face_directions
 from shrm.render import Camera, Mesh, Object, Sphere, render
 from shrm.viewer import (
     ContextError,
@@ -18,7 +19,7 @@ from shrm.viewer import (
     Scene,
     offscreen,
 )
-from shrm.viewer.paraboloid import blended_band, face_directions
+from shrm.viewer.paraboloid import blended_band
 
 PIXELS = 96
 CAMERA = Camera((4.0, 2.0, 1.5), fov=32.0)

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 import shrm._core as _core
-from shrm import daylight, image_io, layouts
+from shrm import daylight, image_io, layouts, paraboloid
 from shrm.validation import number, number_or_rgb, rotation, unit_vectors, whole_number
 
 __all__ = ["Environment"]
@@ -98,6 +98,7 @@ class Environment:
         *,
         repair: bool = False,
         max_bytes: int = image_io.DEFAULT_MAX_BYTES,
+        border: int = 0,
     ) -> Environment:
         """Read an environment in any layout and convert it, area-exactly, to a lat-long picture.
 
@@ -113,6 +114,8 @@ class Environment:
             Replace NaN and infinite texels by their neighbours instead of refusing them.
         max_bytes : int
             The largest decoded picture that is read.
+        border : int
+            Texels round each face of a dual paraboloid, for that layout alone.
 
         Raises
         ------
@@ -124,6 +127,7 @@ class Environment:
         """
         if layout is not None:
             layouts.check(layout)
+        _require_border(border, layout)
         try:
             if layout == "faces" or Path(path).is_dir() or (layout is None and "{}" in str(path)):
                 pixels, layout = _read_faces(Path(path), repair, max_bytes), "faces"
@@ -136,6 +140,8 @@ class Environment:
                         f"{path}: a picture of {size} is too small to be an environment"
                     )
                 layout = layout or layouts.recognise(pixels.shape[0], pixels.shape[1], image.layout)
+            if border:
+                pixels = paraboloid.without_border(pixels, border)
             height, width = pixels.shape[:2]
             if layout == "latlong":
                 return cls(_read_only(pixels))
@@ -146,7 +152,9 @@ class Environment:
         except ValueError as error:
             raise image_io.ImageError(f"{path}: {error}") from None
 
-    def write(self, path: image_io.PathLike, layout: str = "latlong", size: int | None = None) -> None:
+    def write(
+        self, path: image_io.PathLike, layout: str = "latlong", size: int | None = None, *, border: int = 0
+    ) -> None:
         """Write the environment as a picture in any layout.
 
         Parameters
@@ -156,7 +164,7 @@ class Environment:
             stands for px nx py ny pz nz; without it they follow the name (``sky.exr``: ``sky_px.exr``, ...).
         layout : str
             One of `shrm.layouts.LAYOUTS`.
-        size : int, optional
+        size, border : int, optional
             See `picture`.
 
         Raises
@@ -167,7 +175,7 @@ class Environment:
             layout is not a known name, or size is below 2.
         """
         path = Path(path)
-        picture = self.picture(layout, size)
+        picture = self.picture(layout, size, border=border)
         if layout == "faces":
             pattern = (
                 str(path) if "{}" in path.name else str(path.with_name(f"{path.stem}_{{}}{path.suffix}"))
@@ -179,7 +187,7 @@ class Environment:
         metadata = {"textureformat": says[layout]} if layout in says else {}
         image_io.write_image(path, picture, metadata=metadata)
 
-    def picture(self, layout: str, size: int | None = None) -> npt.NDArray[np.float32]:
+    def picture(self, layout: str, size: int | None = None, *, border: int = 0) -> npt.NDArray[np.float32]:
         """Return the environment in another layout, converted area-exactly.
 
         Parameters
@@ -189,6 +197,9 @@ class Environment:
         size : int, optional
             Rows of a lat-long picture, or the edge of a cube's face, of a disc, or of the octahedron's
             square; by default what keeps the detail.
+        border : int
+            Texels round each face of a dual paraboloid, for that layout alone, which continue it beyond the
+            disc; they are not counted in the size.
 
         Returns
         -------
@@ -206,7 +217,10 @@ class Environment:
             shape = (height, width) if layout == "latlong" else layouts.shape(layout, size)
         else:
             shape = layouts.shape(layout, size)
+        _require_border(border, layout)
         result = layouts.convert(self._pixels, "latlong", layout, shape)
+        if border:
+            return paraboloid.bordered(self._pixels, result, border)
         return result.reshape(6, shape[1], shape[1], 3) if layout == "faces" else result
 
     def rotated(self, R: npt.ArrayLike) -> Environment:
@@ -348,6 +362,11 @@ def _basis(n: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         ],
         axis=1,
     )
+
+
+def _require_border(border: int, layout: str | None) -> None:
+    if whole_number("border", border, 0, 8192) and layout != "dual-paraboloid":
+        raise ValueError(f"border is for the layout dual-paraboloid, got {layout}")
 
 
 def _read_faces(path: Path, repair: bool, max_bytes: int) -> npt.NDArray[np.float32]:

@@ -21,11 +21,18 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--layout", choices=LAYOUTS, default="latlong", metavar="L", help="layout to write (default latlong)"
     )
     command.add_argument("--size", type=whole, metavar="N", help="rows of the lat-long picture, or of a face")
+    command.add_argument(
+        "--border", type=whole, default=0, metavar="N", help="texels round each face of a dual paraboloid"
+    )
+    command.add_argument(
+        "--env-border", type=whole, default=0, metavar="N", help="the same, of the file that is read"
+    )
     add_output(command, ".exr", ".hdr", ".pfm", ".tif")
 
 
 def run(options: argparse.Namespace) -> None:
     """Read, convert, write."""
     with progress("Converting"):
-        read_environment(options).write(options.output, layout=options.layout, size=options.size)
+        env = read_environment(options)
+        env.write(options.output, layout=options.layout, size=options.size, border=options.border)
     print(f"{options.output}: {options.layout}")

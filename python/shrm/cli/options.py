@@ -59,7 +59,8 @@ def read_environment(options: argparse.Namespace) -> Environment:
 
     if options.env == "daylight":
         return Environment.daylight(sun_azimuth=DAYLIGHT_AZIMUTH)
-    return Environment.read(options.env, layout=options.env_layout, repair=options.repair)
+    border = getattr(options, "env_border", 0)
+    return Environment.read(options.env, layout=options.env_layout, repair=options.repair, border=border)
 
 
 def add_orders(command: argparse.ArgumentParser, default: float = 0.05) -> None:

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from shrm import brdf
 from shrm.environment import Environment
 from shrm.hierarchical import prefilter_hierarchical
+from shrm.paraboloid import face_directions
 from shrm.reference import prefilter_angular
 from shrm.render import automatic_exposure, display, environment_lookup
 from shrm.render.tonemap import LUMINANCE
@@ -26,7 +27,6 @@ from shrm.reproduce.opengl import context_or_note, frame_seconds
 from shrm.reproduce.result import Cell, Result, Settings
 from shrm.viewer import HardwarePrefilter
 from shrm.viewer.hardware_prefilter import Method
-from shrm.viewer.paraboloid import face_directions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,9 +1,4 @@
-"""Dual-paraboloid maps with a border: where their texels look, and lookups without a seam.
-
-The axes are those of the layout ``dual-paraboloid`` (`shrm.layouts`), with the two faces as two pictures: in
-the first, which looks along +z, right is -y and up is -x; in the second, along -z, right is -y and up is +x.
-In each a direction at the angle theta from its axis is tan(theta / 2) from its centre, in radii of a disc.
-The border continues the paraboloid beyond the disc and so shows what the other face shows too.
+"""Dual-paraboloid maps as materials: look-ups without a seam between the faces of `shrm.paraboloid`.
 
 References
 ----------
@@ -23,44 +18,12 @@ import numpy.typing as npt
 
 from shrm.kautz_mccool import factor_at
 from shrm.lobe_integrals import across, central_directions
+from shrm.paraboloid import face_positions
 from shrm.validation import one_of, real_array, unit_vectors, whole_number
 
 FloatArray = npt.NDArray[np.float64]
 Float32Array = npt.NDArray[np.float32]
 RadialCenter = Literal["reflection", "normal"]
-
-
-def face_directions(size: int, border: int) -> FloatArray:
-    """Return where the texel centres of both faces look, border and corners too.
-
-    Parameters
-    ----------
-    size : int
-        Texels across the disc.
-    border : int
-        Texels beyond the disc on each side.
-
-    Returns
-    -------
-    (2, size + 2 border, size + 2 border, 3) float64
-        Unit vectors.
-    """
-    side = size + 2 * border
-    along = (2.0 * np.arange(side) + 1.0 - side) / size  # in radii
-    right, down = np.meshgrid(along, along)
-    square = right**2 + down**2
-    faces = [np.stack([sign * 2 * down, -2 * right, sign * (1 - square)], axis=-1) for sign in (1.0, -1.0)]
-    return np.stack(faces) / (1 + square)[None, :, :, None]
-
-
-def face_positions(directions: FloatArray, size: int, border: int) -> FloatArray:
-    """Return where directions (n, 3) fall in each face: (2, n, 2), x right and y down in texels."""
-    x, y, z = directions.T
-    faces = []
-    for sign in (1.0, -1.0):
-        st = np.stack([-y, sign * x], axis=1) / np.maximum(1.0 + sign * z, 1e-12)[:, None]
-        faces.append(0.5 * size * (st + 1.0) + border)
-    return np.stack(faces)
 
 
 def blended_band(size: int, border: int) -> float:
