@@ -7,6 +7,7 @@ import numpy as np
 import oracles
 import pytest
 from directions import sphere
+from opengl import lookup_error
 from shrm import Environment, brdf
 from shrm.paraboloid import face_directions
 from shrm.render import Camera, Mesh, Object, Sphere, render
@@ -125,7 +126,8 @@ def test_objects_are_those_of_the_cpu(renderer, shape, largest, viewer, source):
         drawn = prefilter if source == "filtered" else maps
         for camera in (CAMERA, Camera((-3.0, 2.0, -2.5), fov=35.0), Camera((3.0, 1.0, 0.2), height=3.0)):
             scene = Scene([Object(shape, drawn)], camera, None, viewer)
-            assert compared(renderer, scene, maps) < largest
+            # A lobe of exponent 30 on 64 texels: from texel to texel it changes by up to a half
+            assert compared(renderer, scene, maps) < largest + lookup_error(renderer.context, 0.5)
 
 
 def test_maps_are_drawn_beside_others_and_follow_the_light(renderer):

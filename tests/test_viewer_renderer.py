@@ -8,6 +8,7 @@ import numpy as np
 import oracles
 import pytest
 from data import require
+from opengl import lookup_error
 from shrm import ReflectionMap, brdf, prefilter
 from shrm.environment import Environment
 from shrm.explicit import without_azimuth
@@ -80,6 +81,12 @@ def compared(renderer: Renderer, scene: Scene) -> float:
 # the edges of faces, where the CPU stays in the plane of each.
 LARGEST = {"near": 2e-5, "distant": 5e-3}
 
+
+def largest(renderer: Renderer, viewer: str) -> float:
+    """Of maps of degree 12 in 90 degrees and 64 texels: from texel to texel they change by a tenth."""
+    return LARGEST[viewer] + lookup_error(renderer.context, 0.1)
+
+
 MATERIALS = [
     brdf.GGX(0.3, f0=(1.0, 0.7, 0.3)),
     brdf.Lambert(0.8) + brdf.GGX(0.3, f0=0.04),
@@ -104,7 +111,7 @@ def test_spheres_are_those_of_the_cpu(renderer, material, viewer, env):
     env = light(env)
     rm = prefilter(env, material, orders=(12, 4), size=64, layout="cube")
     scene = Scene([Object(Sphere(), rm)], CAMERA, env, viewer)
-    assert compared(renderer, scene) < LARGEST[viewer]
+    assert compared(renderer, scene) < largest(renderer, viewer)
 
 
 # A dynamic map holds products of layers and shares, a near viewer's pixels look both up.
@@ -119,9 +126,9 @@ def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, techni
     rm = prefilter(light("daylight"), material, orders=(12, 4), size=64, layout="cube")
     maps = without_azimuth(rm) if technique is None else of_reflection_map(rm, material, technique)
     scene = Scene([Object(Sphere(), maps), Object(torus(), maps)], CAMERA, None, viewer)
-    assert compared(renderer, scene) < OF_LAYERS[viewer]
+    assert compared(renderer, scene) < OF_LAYERS[viewer] + lookup_error(renderer.context, 0.1)
     turned = replace(scene, camera=Camera((1.0, -3.0, 2.5), fov=32.0))  # another triangle of views
-    assert compared(renderer, turned) < OF_LAYERS[viewer]
+    assert compared(renderer, turned) < OF_LAYERS[viewer] + lookup_error(renderer.context, 0.1)
 
 
 @pytest.mark.parametrize("viewer", ["near", "distant"])
@@ -143,7 +150,7 @@ def test_prefiltered_maps_of_all_classes_are_those_of_the_cpu(renderer, material
         light("daylight"), material, technique, slices=9, lobes=2, size=32, layout="cube"
     )
     scene = Scene([Object(Sphere(), maps), Object(torus(), maps)], CAMERA, None, viewer)
-    assert compared(renderer, scene) < OF_LAYERS[viewer]
+    assert compared(renderer, scene) < OF_LAYERS[viewer] + lookup_error(renderer.context, 0.1)
 
 
 @pytest.mark.parametrize("technique", [None, "cabral"])
@@ -158,7 +165,7 @@ def test_clamped_maps_are_clamped_lobe_by_lobe(renderer, technique):
     if technique is not None:
         maps = [of_reflection_map(rm, material, technique) for rm in maps]
     clamped, plain = (Scene([Object(Sphere(), found)], CAMERA, None, "near") for found in maps)
-    assert compared(renderer, clamped) < LARGEST["near"]
+    assert compared(renderer, clamped) < largest(renderer, "near")
     assert oracles.relative_rms(renderer.render(clamped).radiance, renderer.render(plain).radiance) > 1e-3
 
 
@@ -236,7 +243,7 @@ def test_meshes_with_tangent_fields_are_those_of_the_cpu(renderer, material, tan
     plain = torus()
     aslant = plain.vertices @ np.array([[1.0, 0.3], [0.2, 1.0], [0.7, -0.4]])
     field = torus(uv=aslant).with_tangents(tangents)
-    assert compared(renderer, Scene([Object(field, rm)], CAMERA, None, viewer)) < LARGEST[viewer]
+    assert compared(renderer, Scene([Object(field, rm)], CAMERA, None, viewer)) < largest(renderer, viewer)
     pictures = [renderer.render(Scene([Object(mesh, rm)], CAMERA)).radiance for mesh in (field, plain)]
     assert oracles.relative_rms(*pictures) > 0.05
 
@@ -278,7 +285,7 @@ def test_an_orthographic_camera_and_one_inside(renderer, glossy):
     for camera in (Camera((3.0, 1.0, 2.0), height=3.0), Camera((0.2, 0.1, 0.0), (1.0, 0.3, 0.2), fov=60)):
         for viewer in ("near", "distant"):
             scene = Scene([Object(Sphere(), glossy)], camera, None, viewer)
-            assert compared(renderer, scene) < LARGEST[viewer]
+            assert compared(renderer, scene) < largest(renderer, viewer)
 
 
 def test_textures_multiply_the_reflected_light(renderer, glossy):
