@@ -40,7 +40,7 @@ def local_directions(count: int = 4096) -> FloatArray:
     D = 8 * -(-whole_number("count", count, 16, MOST_DIRECTIONS) // 16)
     # The golden spiral: a ring of equal area for each direction, turned by the golden ratio from the last.
     # Its 2048 directions measure the hemisphere's part in front of planes through the centre to 6.4e-3 sr
-    # (root mean square of 4000 random planes; at worst .022) and round blobs of radius .1 to 3.0e-3 sr. Others:
+    # (root mean square of 4000 random planes; at worst .022) and blobs of radius .1 to 3.0e-3 sr. Others:
     #     rings of nearly square cells                6.4e-3 (.055)   3.1e-3    at worst along their edges
     #     Fibonacci lattice by the concentric map     6.4e-3 (.031)   2.9e-3
     #     R2 sequence by the concentric map           7.8e-3 (.033)   3.3e-3

@@ -130,8 +130,7 @@ class Occluders:
         hits : Hits or None
         """
         R, d = np.asarray(frames, np.float32), np.asarray(directions, np.float32)
-        # Of a vertex of no face nothing is near; it may be so far away that float32 cannot say where.
-        starts = np.clip(self._beside[vertices] + _ABOVE * frames[:, :, 2], -1e18, 1e18).astype(np.float32)
+        starts = (self._beside[vertices] + _ABOVE * frames[:, :, 2]).astype(np.float32)
         step = max(1, _RAYS // len(d))
         parts = [slice(k, k + step) for k in range(0, len(starts), step)]
         with ThreadPoolExecutor(_threads()) as pool:
@@ -207,8 +206,9 @@ def _placed(P: FloatArray, faces: Int32Array) -> FloatArray:
     """Vertices (V, 3) moved and scaled so that the faces reach from -1 to 1 along their longest side."""
     low, high = P[faces].min(axis=(0, 1)), P[faces].max(axis=(0, 1))
     reach = float((high / 2 - low / 2).max())  # halves: the whole may overflow
-    place: FloatArray = (P - (low / 2 + high / 2)) / (reach if reach > 0 else 1.0)
-    return place
+    with np.errstate(over="ignore"):  # a vertex of no face may be too far away for a number
+        place = (P - (low / 2 + high / 2)) / (reach if reach > 0 else 1.0)
+    return np.asarray(np.clip(place, -1e18, 1e18))  # squares in float32 are finite
 
 
 def _inward(place: FloatArray, faces: Int32Array, corners: FloatArray) -> FloatArray:

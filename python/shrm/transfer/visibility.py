@@ -166,7 +166,7 @@ class Visibility:
         for index in range(self.finished, self.blocks):
             these = slice(index * self.block, min(total, (index + 1) * self.block))
             visible, hits = occluders.cast(these, self.frames[these], self.directions, hits=self.hits)
-            arrays: dict[str, npt.NDArray[Any]] = {"visible": np.packbits(visible, axis=1)}
+            arrays: dict[str, Any] = {"visible": np.packbits(visible, axis=1)}
             if hits is not None:
                 u, v = (np.rint(_PLACES * place).astype(np.uint16) for place in (hits.u, hits.v))
                 arrays |= {"face": hits.face, "u": u, "v": v}
