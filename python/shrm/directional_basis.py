@@ -302,7 +302,7 @@ def hemisphere_quadrature(rings: int, azimuths: int) -> tuple[FloatArray, FloatA
 
 
 def gram_of_one_dimension(M: int) -> FloatArray:
-    """Return G1 (M, M) with gram = 2 pi G1 (x) G1: h/6 [1 4 1], h = 1 / (M-1); h/3 at the ends, half tents."""
+    """Return G1 (M, M), gram = 2 pi G1 (x) G1: h/6 [1 4 1], h = 1 / (M-1); h/3 at the ends: half tents."""
     diagonal = np.full(M, 4.0)
     diagonal[[0, -1]] = 2.0
     neighbours = np.ones(M - 1)

@@ -21,7 +21,7 @@ _HALF_EXPONENT = 13
 
 @dataclass(frozen=True, eq=False)
 class PrincipalComponents:
-    """A_p ~ sum_k w_pk A_k [LK03 eq. 12], or with components of its own for every cluster of vertices [SHHS03].
+    """A_p ~ sum_k w_pk A_k [LK03 eq. 12], or with components for each cluster of vertices [SHHS03].
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class PrincipalComponents:
     @property
     def K(self) -> int:
         """The number of components of a vertex."""
-        return self.weights.shape[1]
+        return int(self.weights.shape[1])
 
     @property
     def snr(self) -> FloatArray:
@@ -160,4 +160,4 @@ def _rounding(
         products = (factors.T @ factors) * (parts.reshape(2 * K, -1) @ weighed.reshape(2 * K, -1).T)
         total += products.reshape(2, K, 2, K).sum(axis=(0, 2))
     leading = np.diagonal(total.cumsum(axis=0).cumsum(axis=1))
-    return np.maximum(np.append(0.0, leading), 0)
+    return np.asarray(np.maximum(np.append(0.0, leading), 0))

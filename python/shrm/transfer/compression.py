@@ -171,11 +171,11 @@ def streamed(
 
 
 class _Sides:
-    """L with L (x) L the Cholesky factor of the tents' Gram matrix, which is a product of two [LK03 eq. 7]."""
+    """L with L (x) L the Cholesky factor of the tents' Gram matrix [LK03 eq. 7], and products with them."""
 
     def __init__(self, tents: int) -> None:
         self.M = round(np.sqrt(tents))
-        if self.M**2 != tents or not 2 <= self.M <= MOST_TENTS:
+        if tents != self.M**2 or not 2 <= self.M <= MOST_TENTS:
             raise ValueError(f"matrices must have M^2 tents, M from 2 to {MOST_TENTS}, got {tents}")
         self.L = np.linalg.cholesky(np.sqrt(2 * np.pi) * gram_of_one_dimension(self.M))
         self.inverse = np.linalg.inv(self.L)
@@ -191,7 +191,7 @@ class _Sides:
 def _times_gram(
     read: Callable[[], Iterator[Array]], X: FloatArray, sides: _Sides, shape: tuple[int, int, int]
 ) -> FloatArray:
-    """Return the whitened A^T A X, (M^2 C n^2, columns): the factors L go to X and to the result, not to A."""
+    """Return A^T A X of whitened A, (M^2 C n^2, columns): X and the result take the factors, not A."""
     inward = sides.times(sides.L, X.T.reshape(-1, *shape)).reshape(X.shape[::-1]).T.astype(np.float32)
     total = np.zeros(X.shape)
     for block in read():
