@@ -33,6 +33,8 @@
 //   [LK03]     J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
 //   [WAT92]    S. Westin, J. Arvo, K. Torrance. Predicting Reflectance Functions from Complex
 //              Surfaces. SIGGRAPH 1992.
+//   [SHHS03]   P.-P. Sloan, J. Hall, J. Hart, J. Snyder. Clustered Principal Components for
+//              Precomputed Radiance Transfer. ACM TOG 22(3), 2003.
 //   Mathematics
 //   [VMK88]    D. Varshalovich, A. Moskalev, V. Khersonskii. Quantum Theory of Angular
 //              Momentum. World Scientific, 1988.
@@ -46,6 +48,9 @@
 //              Graphics Tools 2(3), 1997.
 //   [D82]      M. Duffy. Quadrature Over a Pyramid or Cube of Integrands with a Singularity at
 //              a Vertex. SIAM Journal on Numerical Analysis 19(6), 1982.
+//   [HMT11]    N. Halko, P.-G. Martinsson, J. Tropp. Finding Structure with Randomness:
+//              Probabilistic Algorithms for Constructing Approximate Matrix Decompositions.
+//              SIAM Review 53(2), 2011.
 //   Layouts, materials, light and color
 //   [HS98]     W. Heidrich, H.-P. Seidel. View-Independent Environment Maps. Graphics
 //              Hardware 1998.

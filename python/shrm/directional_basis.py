@@ -130,7 +130,7 @@ class DirectionalBasis:
 
     def gram(self) -> FloatArray:
         """Return the Gram matrix G, (M^2, M^2) float64, exactly [LK03 eq. 7]."""
-        one = _gram_of_one_dimension(self.M)
+        one = gram_of_one_dimension(self.M)
         return np.asarray(2 * np.pi * np.kron(one, one))
 
     def solve(self, right: npt.ArrayLike) -> FloatArray:
@@ -145,7 +145,7 @@ class DirectionalBasis:
         (M^2, channels) float64
         """
         M, rows = self.M, self._rows("right", right, self.size)
-        one = _gram_of_one_dimension(M)
+        one = gram_of_one_dimension(M)
         along_v = np.linalg.solve(one, rows.reshape(M, -1))  # (j, i channels)
         along_u = np.linalg.solve(one, along_v.reshape(M, M, -1))  # each j: (i, channels)
         return np.asarray(along_u.reshape(self.size, -1) / (2 * np.pi))
@@ -216,6 +216,32 @@ class DirectionalBasis:
             raise ValueError(f"coefficients must have the shape (m^2, channels), got {array.shape}")
         return self.solve(self.change_of_basis(sh.degree_of(rows) + 1) @ rows)
 
+    def coarser(self, M: int) -> FloatArray:
+        """Return the matrix that projects expansions in these tents on fewer, orthogonally and exactly.
+
+        The concentric map preserves area, so that the integrals of products of tents of two spacings are
+        2 pi X (x) X with those X of one dimension, and the projection is G1^-1 X (x) G1^-1 X
+        [LK03 appendix A].
+
+        Parameters
+        ----------
+        M : int
+            Tents along each side of the coarser basis, 2 to this one's M.
+
+        Returns
+        -------
+        (M'^2, M^2) float64
+            Coefficients in the coarser basis from those in this one.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If M is no whole number in its range.
+        """
+        M = whole_number("M", M, 2, self.M)
+        one = np.linalg.solve(gram_of_one_dimension(M), _products_of_one_dimension(M, self.M))
+        return np.asarray(np.kron(one, one))
+
     # ---- Its error
 
     def error_matrix(self, m: int) -> FloatArray:
@@ -275,12 +301,24 @@ def hemisphere_quadrature(rings: int, azimuths: int) -> tuple[FloatArray, FloatA
     return directions.reshape(-1, 3), np.repeat(2 * np.pi / azimuths * weight, azimuths)
 
 
-def _gram_of_one_dimension(M: int) -> FloatArray:
-    """h/6 [1 4 1] with h = 1 / (M-1), and h/3 at the ends: half a tent."""
+def gram_of_one_dimension(M: int) -> FloatArray:
+    """Return G1 (M, M), gram = 2 pi G1 (x) G1: h/6 [1 4 1], h = 1 / (M-1); h/3 at the ends: half tents."""
     diagonal = np.full(M, 4.0)
     diagonal[[0, -1]] = 2.0
     neighbours = np.ones(M - 1)
     return (np.diag(diagonal) + np.diag(neighbours, 1) + np.diag(neighbours, -1)) / (6 * (M - 1))
+
+
+def _products_of_one_dimension(coarse: int, fine: int) -> FloatArray:
+    """Integrals of products of tents of two spacings, (coarse, fine): Gauss between the nodes of both."""
+    edges = np.union1d(np.linspace(0, 1, coarse), np.linspace(0, 1, fine))
+    x, w = unit_gauss(2)  # exact for the squares between two nodes
+    positions = (edges[:-1, None] + np.diff(edges)[:, None] * x).ravel()
+    weights = (np.diff(edges)[:, None] * w).ravel()
+    tents, other = (
+        np.maximum(0, 1 - np.abs((M - 1) * positions - np.arange(M)[:, None])) for M in (coarse, fine)
+    )
+    return np.asarray((tents * weights) @ other.T)
 
 
 def _square_quadrature(M: int, points: int) -> tuple[FloatArray, FloatArray]:

@@ -1,0 +1,362 @@
+"""Transfer in one file, `.shrt`, whose arrays are mapped into memory and not read.
+
+All numbers are little-endian, all arrays in C order.
+
+    bytes     type        what
+    0 to 7    8 bytes     magic: 89 'S' 'H' 'R' 'T' 0D 0A 1A (hexadecimal; letters are ASCII)
+    8 to 11   uint32      version: 1
+    12 to 15  uint32      length of the header text, at most 2^24
+    16 to 23  uint64      total size of the file
+    24 to 27  uint32      CRC-32 (zlib) of bytes 0 to 23 and of the header text
+    28 to 31  uint32      0
+    32 ...    UTF-8       header text: JSON, below, without NaN and infinities
+    D ...     arrays      each at the first multiple of 64 after what is before it, zeros between; D is the
+                          first multiple of 64 after the header text; the file ends with the last array
+
+The header is an object with
+
+    n, M, channels        whole numbers: order of the light, tents along a side, 1 or 3
+    material, report      text; an object with whatever its maker says
+    arrays                a list, in the order in which they lie, of objects: name; dtype, "<f4", "<f2" or
+                          "<i4"; shape; offset from D; size in bytes; crc32, 8 hexadecimal digits
+
+and the arrays are, V vertices and T faces,
+
+    vertices <f4 (V, 3)     faces <i4 (T, 3)     uv <f4 (V, 2), maybe
+    quaternions <f4 (V, 4)  frames, w x y z, of length 1 to 1e-5
+    NAME/weights            <f4 or <f2 (V, K)
+    NAME/components         <f4 or <f2 (K, M^2, channels, n^2); with clusters (Q, K, M^2, channels, n^2)
+    NAME/clusters           <i4 (V,)
+    NAME/matrices           <f4 or <f2 (V, M^2, channels, n^2)
+
+where NAME is one of "unshadowed", "shadowed", "interreflected", and has weights and components, or matrices,
+or both. Matrices are M^2 tents (index j M + i) from light in the real basis of `shrm.sh`, index l(l+1)+m, in
+global coordinates; z is up, see DirectionalBasis for the tents.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import secrets
+import struct
+import zlib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, BinaryIO, NoReturn
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.transfer.object import RadianceTransfer, Variant
+from shrm.transfer.quaternions import from_rotations, to_rotations
+
+Array = npt.NDArray[Any]
+
+MAGIC = b"\x89SHRT\r\n\x1a"
+VERSION = 1
+LONGEST_HEADER = 1 << 24
+
+_FIXED = struct.Struct("<8sIIQ")
+_CHECK = struct.Struct("<II")
+_ALIGNMENT = 64
+_BLOCK_BYTES = 1 << 26
+_DTYPES = {
+    "vertices": ("<f4",),
+    "faces": ("<i4",),
+    "quaternions": ("<f4",),
+    "uv": ("<f4",),
+    "weights": ("<f4", "<f2"),
+    "components": ("<f4", "<f2"),
+    "clusters": ("<i4",),
+    "matrices": ("<f4", "<f2"),
+}
+
+
+class TransferFileError(ValueError):
+    """A transfer file cannot be read or written; the text names the file and the fault in one line."""
+
+
+def save(
+    transfer: RadianceTransfer,
+    path: str | Path,
+    *,
+    blocks: Mapping[str, Callable[[], Iterable[Array]]] | None = None,
+) -> None:
+    """Write an object with its transfer; the file appears whole or not at all.
+
+    Parameters
+    ----------
+    transfer : RadianceTransfer
+        Matrices that are mapped from disk are copied a part at a time.
+    path : path
+        By custom with the extension `.shrt`.
+    blocks : mapping, optional
+        For variants by name, instead of their matrices: what returns blocks (b, M^2, C, n^2), of vertices in
+        order, float32 or float16 like the first, which are written as they come.
+
+    Raises
+    ------
+    TransferFileError
+        If the file cannot be written.
+    ValueError
+        If blocks are of another shape, or the report holds what JSON does not.
+    """
+    path = Path(path)
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    sources = _sources(transfer, blocks or {})
+    try:
+        with beside.open("xb") as file:
+            _write(file, transfer, sources)
+        os.replace(beside, path)
+    except OSError as error:
+        raise TransferFileError(f"{path}: cannot be written ({error.strerror or error})") from None
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def load(path: str | Path, *, verify: bool = False) -> RadianceTransfer:
+    """Read what `save` wrote: arrays are read-only and mapped, frames alone are computed.
+
+    Parameters
+    ----------
+    path : path
+    verify : bool
+        Whether to compare uncompressed matrices with their checksum too, which reads them whole.
+
+    Raises
+    ------
+    TransferFileError
+        If the file cannot be read, is cut short, damaged, or of another version.
+    """
+    path = Path(path)
+    try:
+        if path.exists() and not path.is_file():
+            raise TransferFileError(f"{path}: is no file")
+        header, data, start = _opened(path)
+        return _object(header, _arrays(header, data, start, verify))
+    except OSError as error:
+        raise TransferFileError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except TransferFileError:
+        raise
+    except _ContentError as fault:
+        raise TransferFileError(f"{path}: {fault}") from None
+    except (KeyError, ValueError, TypeError, OverflowError, RecursionError) as fault:
+        text = " ".join(str(fault).split())
+        raise TransferFileError(f"{path}: damaged transfer file ({text})") from fault
+
+
+class _ContentError(ValueError):
+    """What is wrong with a file whose name is not known here."""
+
+
+# ---- Writing
+
+
+class _Source:
+    """An array of the file: its shape and dtype, and its parts in order."""
+
+    def __init__(
+        self, array: Array, parts: Callable[[], Iterable[Array]] | None = None, rows: int = 0
+    ) -> None:
+        self.shape = (rows or len(array), *array.shape[1:])
+        self.dtype = array.dtype.newbyteorder("<")
+        self.parts = parts or (lambda: _slices(array))
+
+
+def _slices(array: Array) -> Iterator[Array]:
+    rows = max(1, _BLOCK_BYTES // max(1, array[:1].nbytes))
+    return (array[start : start + rows] for start in range(0, len(array), rows))
+
+
+def _sources(
+    transfer: RadianceTransfer, blocks: Mapping[str, Callable[[], Iterable[Array]]]
+) -> dict[str, _Source]:
+    V, tail = len(transfer.vertices), (transfer.M**2, transfer.channels, transfer.n**2)
+    unknown = sorted(set(blocks) - set(transfer.variants))
+    if unknown:
+        raise ValueError(f"blocks must be of variants that there are, got {', '.join(unknown)}")
+    arrays: dict[str, Array | None] = {
+        "vertices": transfer.vertices,
+        "faces": transfer.faces,
+        "quaternions": from_rotations(transfer.frames).astype(np.float32),
+        "uv": transfer.uv,
+    }
+    for name, variant in transfer.variants.items():
+        arrays[f"{name}/weights"] = variant.weights
+        arrays[f"{name}/components"] = variant.components
+        arrays[f"{name}/clusters"] = variant.clusters
+        arrays[f"{name}/matrices"] = None if name in blocks else variant.matrices
+    sources = {name: _Source(array) for name, array in arrays.items() if array is not None}
+    for name, parts in blocks.items():
+        first = np.asarray(next(iter(parts()), np.zeros(0)))
+        if first.shape[1:] != tail or first.dtype not in (np.float32, np.float16):
+            raise ValueError(
+                f"blocks of {name} must be float32 or float16 of the shape (b, {', '.join(map(str, tail))}), "
+                f"got {first.dtype} of {first.shape}"
+            )
+        sources[f"{name}/matrices"] = _Source(first, parts, V)
+    return sources
+
+
+def _write(file: BinaryIO, transfer: RadianceTransfer, sources: Mapping[str, _Source]) -> None:
+    entries, end = [], 0
+    for name, source in sources.items():
+        offset, size = _aligned(end), math.prod(source.shape) * source.dtype.itemsize
+        entries.append(
+            {
+                "name": name,
+                "dtype": source.dtype.str,
+                "shape": list(source.shape),
+                "offset": offset,
+                "size": size,
+                "crc32": "0" * 8,
+            }
+        )
+        end = offset + size
+    header = {
+        "n": transfer.n,
+        "M": transfer.M,
+        "channels": transfer.channels,
+        "material": transfer.material,
+        "report": transfer.report,
+        "arrays": entries,
+    }
+    length = len(_text(header))
+    if length > LONGEST_HEADER:
+        raise ValueError(f"the report is too long for a file: {length} bytes, the most is {LONGEST_HEADER}")
+    start = _aligned(_FIXED.size + _CHECK.size + length)
+    for entry, (name, source) in zip(entries, sources.items(), strict=True):
+        file.seek(start + entry["offset"])
+        entry["crc32"] = f"{_write_parts(file, name, source):08x}"
+    text = _text(header)
+    fixed = _FIXED.pack(MAGIC, VERSION, length, start + end)
+    file.seek(0)
+    file.write(fixed + _CHECK.pack(zlib.crc32(text, zlib.crc32(fixed)), 0) + text)
+    file.flush()
+    os.fsync(file.fileno())
+
+
+def _write_parts(file: BinaryIO, name: str, source: _Source) -> int:
+    """Write an array part by part; return its checksum."""
+    rows = crc = 0
+    for part in source.parts():
+        if part.shape[1:] != source.shape[1:] or part.dtype.newbyteorder("<") != source.dtype:
+            raise ValueError(f"blocks of {name} must be alike, got {part.dtype} of {part.shape}")
+        rows += len(part)
+        content = np.ascontiguousarray(part, source.dtype).data.cast("B")
+        crc = zlib.crc32(content, crc)
+        file.write(content)
+    if rows != source.shape[0]:
+        raise ValueError(f"blocks of {name} must have {source.shape[0]} rows in all, got {rows}")
+    return crc
+
+
+def _text(header: Mapping[str, Any]) -> bytes:
+    try:
+        return json.dumps(header, allow_nan=False, separators=(",", ":")).encode()
+    except (TypeError, ValueError) as fault:
+        raise ValueError(f"report must hold text, finite numbers, lists and dicts ({fault})") from None
+
+
+def _aligned(end: int) -> int:
+    return -(-end // _ALIGNMENT) * _ALIGNMENT
+
+
+# ---- Reading
+
+
+def _opened(path: Path) -> tuple[dict[str, Any], npt.NDArray[np.uint8], int]:
+    """The header, the file as mapped bytes, and where its arrays start; nothing large is in memory."""
+    actual = path.stat().st_size
+    with path.open("rb") as file:
+        fixed = file.read(_FIXED.size)
+        if fixed[: len(MAGIC)] != MAGIC[: len(fixed)] or not fixed:
+            raise _ContentError("is not a transfer file")
+        check = file.read(_CHECK.size)
+        if len(check) < _CHECK.size:
+            raise _ContentError(f"is cut short: {actual} bytes")
+        _, version, length, total = _FIXED.unpack(fixed)
+        if version != VERSION:
+            raise _ContentError(f"is a transfer file of version {version}, this reads version {VERSION}")
+        if actual < total:
+            raise _ContentError(f"is cut short: {actual} bytes of {total}")
+        if length > LONGEST_HEADER or actual != total:
+            raise _ContentError(
+                f"damaged transfer file (a header of {length} bytes, {total} in all of {actual})"
+            )
+        text = file.read(length)
+    crc, zero = _CHECK.unpack(check)
+    if len(text) != length or zero or crc != zlib.crc32(text, zlib.crc32(fixed)):
+        raise _ContentError("damaged transfer file (the header's checksum does not match)")
+    header = json.loads(text, parse_constant=_not_finite, parse_float=_finite)
+    if not isinstance(header, dict):
+        raise ValueError("the header is no object")
+    return header, np.memmap(path, np.uint8, "r"), _aligned(_FIXED.size + _CHECK.size + length)
+
+
+def _arrays(
+    header: Mapping[str, Any], data: npt.NDArray[np.uint8], start: int, verify: bool
+) -> dict[str, Array]:
+    arrays: dict[str, Array] = {}
+    end = 0
+    for entry in header["arrays"]:
+        name, dtype, shape = str(entry["name"]), entry["dtype"], entry["shape"]
+        if name in arrays or dtype not in _DTYPES.get(name.rpartition("/")[2], ()):
+            raise ValueError(f"array {name!r} of type {dtype!r}")
+        if not isinstance(shape, list) or not all(_whole(s, 1, len(data)) for s in shape):
+            raise ValueError(f"{name} of shape {shape}")
+        offset, size = _aligned(end), math.prod(shape) * np.dtype(dtype).itemsize
+        end = offset + size
+        if entry["offset"] != offset or entry["size"] != size or start + end > len(data):
+            raise ValueError(f"{name} of {entry['size']} bytes at {entry['offset']}, {size} at {offset} fit")
+        content = data[start + offset : start + end]
+        if (verify or not name.endswith("/matrices")) and f"{zlib.crc32(content.data):08x}" != entry["crc32"]:
+            raise ValueError(f"the checksum of {name} does not match")
+        arrays[name] = np.asarray(content).view(dtype).reshape(shape)
+    if start + end != len(data):
+        raise ValueError(f"{len(data)} bytes, of which {start + end} are used")
+    return arrays
+
+
+def _object(header: Mapping[str, Any], arrays: dict[str, Array]) -> RadianceTransfer:
+    material, report = header["material"], header["report"]
+    if not isinstance(material, str) or not isinstance(report, dict):
+        raise ValueError("material is no text, or report no object")
+    quaternions = arrays.pop("quaternions")
+    if quaternions.ndim != 2 or quaternions.shape[1] != 4:
+        raise ValueError(f"quaternions of shape {quaternions.shape}")
+    lengths = np.linalg.norm(quaternions, axis=1)
+    if not (np.abs(lengths - 1) < 1e-5).all():
+        raise ValueError("quaternions that are not of length 1")
+    vertices, faces, uv = arrays.pop("vertices"), arrays.pop("faces"), arrays.pop("uv", None)
+    variants: dict[str, dict[str, Array]] = {}
+    for name, array in arrays.items():
+        variant, _, what = name.rpartition("/")
+        variants.setdefault(variant, {})[what] = array
+    return RadianceTransfer(
+        vertices,
+        faces,
+        to_rotations(quaternions).astype(np.float32),
+        header["n"],
+        header["M"],
+        header["channels"],
+        {name: Variant(**parts) for name, parts in variants.items()},
+        uv,
+        material,
+        report,
+    )
+
+
+def _whole(value: object, least: int, most: int) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
+
+
+def _not_finite(text: str) -> NoReturn:
+    raise ValueError(f"the header has the number {text}")
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    return value if math.isfinite(value) else _not_finite(text)

@@ -1,0 +1,294 @@
+"""An object with its precomputed transfer: the mesh, its frames, and matrices, compressed or not [LK03].
+
+All arrays are as `shrm.transfer.file` writes them; those of a loaded object are mapped from its file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.directional_basis import MOST_TENTS, DirectionalBasis
+from shrm.validation import one_of, real_array, whole_number
+
+if TYPE_CHECKING:
+    from shrm.transfer.lighting import Lighting  # type: ignore[import-untyped,import-not-found,unused-ignore]
+
+Array = npt.NDArray[np.floating]
+
+VARIANTS = ("unshadowed", "shadowed", "interreflected")
+"""The names of variants: light that reaches a vertex straight, or past the rest of the object, or from it."""
+
+MOST_LIGHT = 10
+"""The largest order n of light."""
+
+
+@dataclass(frozen=True, eq=False)
+class Variant:
+    """Transfer matrices of all vertices: components and weights, or the matrices themselves, or both.
+
+    Attributes
+    ----------
+    weights : (V, K) float32 or float16, or None
+    components : (K, M^2, C, n^2) or, clustered, (Q, K, M^2, C, n^2) float32 or float16, or None
+        Matrices are sum_k weights[p, k] components[k] [LK03 eq. 12].
+    clusters : (V,) int32 or None
+        In [0, Q).
+    matrices : (V, M^2, C, n^2) float32 or float16, or None
+        Uncompressed; mapped from disk maybe.
+    """
+
+    weights: Array | None = None
+    components: Array | None = None
+    clusters: npt.NDArray[np.int32] | None = None
+    matrices: Array | None = None
+
+    @property
+    def K(self) -> int:
+        """The number of components of a vertex; 0 where there are the matrices alone."""
+        return 0 if self.weights is None else int(self.weights.shape[1])
+
+
+@dataclass(eq=False)
+class RadianceTransfer:
+    """An object with its precomputed transfer.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float32
+    faces : (T, 3) int32
+        In [0, V).
+    frames : (V, 3, 3) float32
+        Rotations global_from_local, orthogonal to 1e-5: columns tangent, bitangent, normal.
+    n : int
+        Order of the light, degrees 0 to n - 1, in [1, 10].
+    M : int
+        Tents along a side, see `shrm.directional_basis`.
+    channels : int
+        C: 1, the same for R, G and B, or 3.
+    variants : dict of Variant
+        By names of `VARIANTS`, at least one.
+    uv : (V, 2) float32 or None
+        Texture coordinates.
+    material : str
+        In words, or as `shrm.brdf.parse` reads it.
+    report : dict
+        How it was made and how accurate it is: text, numbers, lists and dicts, as JSON has them.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not as described, or they do not fit each other.
+    """
+
+    vertices: npt.NDArray[np.float32]
+    faces: npt.NDArray[np.int32]
+    frames: npt.NDArray[np.float32]
+    n: int
+    M: int
+    channels: int
+    variants: dict[str, Variant]
+    uv: npt.NDArray[np.float32] | None = None
+    material: str = ""
+    report: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.n, self.M = whole_number("n", self.n, 1, MOST_LIGHT), whole_number("M", self.M, 2, MOST_TENTS)
+        if self.channels not in (1, 3):
+            raise ValueError(f"channels must be 1 or 3, got {self.channels!r}")
+        self.vertices = _rows("vertices", self.vertices, (None, 3))
+        V = len(self.vertices)
+        self.faces = _indices("faces", self.faces, (None, 3), V)
+        self.frames = _rows("frames", self.frames, (V, 3, 3))
+        off = np.abs(np.swapaxes(self.frames, 1, 2) @ self.frames - np.eye(3)).max()
+        if off > 1e-5 or np.linalg.det(self.frames).min() < 0:
+            raise ValueError(f"frames must be rotations, orthogonal to 1e-5, got some off by {off:.2g}")
+        self.uv = None if self.uv is None else _rows("uv", self.uv, (V, 2))
+        if not self.variants:
+            raise ValueError("variants must hold at least one")
+        for name, variant in self.variants.items():
+            one_of("variants", name, VARIANTS)
+            self._require_fit(name, variant)
+        self._coarser: dict[tuple[str, int], Array] = {}
+        self._lit: tuple[tuple[str, int], Any] | None = None
+
+    def _require_fit(self, name: str, variant: Variant) -> None:
+        V, shape = len(self.vertices), (self.M**2, self.channels, self.n**2)
+        weights, components, matrices = variant.weights, variant.components, variant.matrices
+        if (weights is None) != (components is None) or (weights is None and matrices is None):
+            raise ValueError(f"{name} must have weights and components, or matrices")
+        if weights is None and variant.clusters is not None:
+            raise ValueError(f"{name} has clusters without weights")
+        if matrices is not None:
+            _floats(f"{name}: matrices", matrices, (V, *shape))
+        if weights is not None and components is not None:
+            _floats(f"{name}: weights", weights, (V, None))
+            clustered = () if variant.clusters is None else (None,)
+            _floats(f"{name}: components", components, (*clustered, variant.K, *shape))
+            if variant.clusters is not None:
+                _indices(f"{name}: clusters", variant.clusters, (V,), len(components))
+            for what, array in (("weights", weights), ("components", components)):
+                if not np.isfinite(array).all():
+                    raise ValueError(f"{name}: {what} must be finite")
+
+    # ---- Radiance
+
+    def lighting(self, variant: str | None = None, *, K: int | None = None, M: int | None = None) -> Lighting:
+        """Return what lights the vertices: from components where there are some, else from the matrices.
+
+        Parameters
+        ----------
+        variant : str, optional
+            By default the one with most of light's ways.
+        K : int, optional
+            How many components, 1 to those there are; by default all.
+        M : int, optional
+            Tents along a side, 2 to the object's: components are projected on fewer, which is kept for the
+            next time. Matrices are not.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such variant, or K or M is out of range.
+        """
+        from shrm.transfer.lighting import Compressed, Tents  # only where something is lit
+
+        name, one, K, M = self._chosen(variant, K, M)
+        if one.weights is None:
+            return Tents(self.vertices, self.frames, one.matrices)
+        components = self._components(name, one, M)
+        return Compressed(self.vertices, self.frames, one.weights, components, one.clusters, K)
+
+    def radiance(
+        self,
+        light: npt.ArrayLike,
+        *,
+        eye: npt.ArrayLike | None = None,
+        view: npt.ArrayLike | None = None,
+        variant: str | None = None,
+        K: int | None = None,
+        M: int | None = None,
+    ) -> npt.NDArray[np.float32]:
+        """Return the radiance (V, 3) of the vertices towards an eye or along a view, under light (n^2, 3).
+
+        As `lighting`, whose result is kept for the next call.
+        """
+        name, one, K, M = self._chosen(variant, K, M)
+        if self._lit is None or self._lit[0] != (name, M):
+            self._lit = (name, M), self.lighting(name, M=M)
+        lighting = self._lit[1]
+        if one.weights is not None:
+            lighting.K = K
+        return np.asarray(lighting.radiance(light, eye=eye, view=view))
+
+    def _chosen(self, variant: str | None, K: int | None, M: int | None) -> tuple[str, Variant, int, int]:
+        name = max(self.variants, key=VARIANTS.index) if variant is None else variant
+        one_of("variant", name, self.variants)
+        one = self.variants[name]
+        M = self.M if M is None else whole_number("M", M, 2, self.M)
+        if one.weights is None and (K is not None or self.M != M):
+            raise ValueError(f"{name} is not compressed: it has no components for another K or M")
+        return name, one, one.K if K is None else whole_number("K", K, 1, one.K), M
+
+    def _components(self, name: str, variant: Variant, M: int) -> Array:
+        """Components (..., M^2, C, n^2) in float32 on the coarser tents of M."""
+        components = np.asarray(variant.components, np.float32)
+        if self.M == M:
+            return components
+        if (name, M) not in self._coarser:
+            rows = components.reshape(-1, self.M**2, self.channels * self.n**2)
+            projected = DirectionalBasis(self.M).coarser(M).astype(np.float32) @ rows
+            shape = (*components.shape[:-3], M * M, *components.shape[-2:])
+            self._coarser[name, M] = projected.reshape(shape)
+        return self._coarser[name, M]
+
+    # ---- Its mesh and file
+
+    def require_mesh(self, vertices: npt.ArrayLike, faces: npt.ArrayLike) -> None:
+        """Refuse a mesh that is not the one that transfer was computed for.
+
+        Parameters
+        ----------
+        vertices : (V, 3) array_like
+            Equal to 1e-5 of the largest coordinate.
+        faces : (T, 3) array_like
+
+        Raises
+        ------
+        ValueError
+            If it is another one.
+        """
+        positions, triangles = real_array("vertices", vertices), np.asarray(faces)
+        for what, given, own in (("vertices", positions, self.vertices), ("faces", triangles, self.faces)):
+            if given.shape != own.shape:
+                raise ValueError(
+                    f"the mesh does not match its transfer: it has {what} of shape {given.shape}, "
+                    f"the transfer {own.shape}"
+                )
+        moved = int(
+            (np.abs(positions - self.vertices).max(axis=1) > 1e-5 * np.abs(self.vertices).max()).sum()
+        )
+        turned = int((triangles != self.faces).any(axis=1).sum())
+        if moved or turned:
+            raise ValueError(
+                f"the mesh does not match its transfer: {moved} vertices and {turned} faces are others"
+            )
+
+    def save(
+        self, path: str | Path, *, blocks: Mapping[str, Callable[[], Iterable[Array]]] | None = None
+    ) -> None:
+        """Write it to a file, whole or not at all; see `shrm.transfer.file.save`."""
+        from shrm.transfer.file import save
+
+        save(self, path, blocks=blocks)
+
+    @staticmethod
+    def load(path: str | Path, *, verify: bool = False) -> RadianceTransfer:
+        """Read it from a file; see `shrm.transfer.file.load`."""
+        from shrm.transfer.file import load
+
+        return load(path, verify=verify)
+
+
+def _rows(name: str, value: Array, shape: tuple[int | None, ...]) -> npt.NDArray[np.float32]:
+    """A finite array of this shape as float32 in C order; None is any length above 0."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must be an array of real numbers, got dtype {array.dtype}")
+    _require_shape(name, array.shape, shape)
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} must be finite")
+    return np.ascontiguousarray(array, np.float32)
+
+
+def _indices(
+    name: str, value: npt.NDArray[np.integer], shape: tuple[int | None, ...], below: int
+) -> npt.NDArray[np.int32]:
+    array = np.asarray(value)
+    if array.dtype.kind not in "iu":
+        raise TypeError(f"{name} must be an array of whole numbers, got dtype {array.dtype}")
+    _require_shape(name, array.shape, shape)
+    if array.min() < 0 or array.max() >= below:
+        raise ValueError(f"{name} must be in [0, {below}), got {array.min()} to {array.max()}")
+    return np.ascontiguousarray(array, np.int32)
+
+
+def _floats(name: str, value: Array, shape: tuple[int | None, ...]) -> None:
+    if not isinstance(value, np.ndarray) or value.dtype not in (np.float32, np.float16):
+        raise TypeError(
+            f"{name} must be an array of float32 or float16, got {getattr(value, 'dtype', value)}"
+        )
+    _require_shape(name, value.shape, shape)
+
+
+def _require_shape(name: str, shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> None:
+    if len(shape) != len(wanted) or any(
+        w not in (None, s) or not s for s, w in zip(shape, wanted, strict=True)
+    ):
+        text = ", ".join("any" if w is None else str(w) for w in wanted)
+        raise ValueError(f"{name} must have the shape ({text}), got {shape}")
