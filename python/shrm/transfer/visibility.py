@@ -172,7 +172,7 @@ class Visibility:
                 arrays |= {"face": hits.face, "u": u, "v": v}
             content = io.BytesIO()
             np.savez(content, **arrays)
-            _write_whole(self._path(index), content.getbuffer())
+            write_whole(self._path(index), content.getbuffer())
             self._write_state([*self._sizes, content.getbuffer().nbytes])
             if progress is not None:
                 progress(these.stop, total)
@@ -266,7 +266,7 @@ class Visibility:
 
     def _write_state(self, sizes: list[int]) -> None:
         text = json.dumps({**self._about, "finished": sizes}, indent=1)
-        _write_whole(self.folder / _STATE, (text + "\n").encode())
+        write_whole(self.folder / _STATE, (text + "\n").encode())
         self._sizes = sizes
 
     def _path(self, index: int) -> Path:
@@ -298,7 +298,7 @@ def _checked(array: npt.NDArray[Any], dtype: npt.DTypeLike, *shape: int) -> npt.
     return array
 
 
-def _write_whole(path: Path, content: bytes | memoryview) -> None:
+def write_whole(path: Path, content: bytes | memoryview) -> None:
     """Write a file beside its place, then rename: it is whole or not there, even if the machine stops."""
     beside = path.with_name(f".{path.stem}.{secrets.token_hex(4)}.part")
     try:

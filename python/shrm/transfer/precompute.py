@@ -1,0 +1,301 @@
+"""From a mesh and a material to an object with transfer: rays, products, compression [LK03].
+
+What takes long is kept in a folder as it is finished, so that a computation that was stopped goes on where it
+was, and nothing larger than a block of vertices needs to fit in memory.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.brdf import BRDF
+from shrm.directional_basis import MOST_TENTS
+from shrm.tangent_frames import vertex_frames
+from shrm.transfer.accuracy import Sample, chosen
+from shrm.transfer.bounces import MOST_BOUNCES, leaving
+from shrm.transfer.clusters import clustered
+from shrm.transfer.components import PrincipalComponents
+from shrm.transfer.compression import factored, streamed
+from shrm.transfer.directions import local_directions
+from shrm.transfer.materials import Materials
+from shrm.transfer.matrices import Factors, Matrices
+from shrm.transfer.object import MOST_LIGHT, VARIANTS, RadianceTransfer, Variant
+from shrm.transfer.product import Path as Way
+from shrm.transfer.product import Product, product
+from shrm.transfer.rays import Occluders, mesh_faces, rows
+from shrm.transfer.visibility import Visibility
+from shrm.validation import number, one_of, whole_number
+
+FloatArray = npt.NDArray[np.float64]
+Progress = Callable[[str, int, int], None]
+
+SAMPLE = 48
+"""Vertices at which accuracy is measured."""
+
+_FINER = 4
+"""How many times as many rays they cast."""
+
+_FACTORED = 2048
+"""Columns up to which exact components are found as fast as random ones."""
+
+
+class Surface(Protocol):
+    """A triangle mesh, such as `shrm.render.Mesh`."""
+
+    @property
+    def vertices(self) -> FloatArray:
+        """(V, 3)."""
+
+    @property
+    def faces(self) -> npt.NDArray[np.integer[Any]]:
+        """(T, 3), indices into vertices."""
+
+    @property
+    def vertex_normals(self) -> FloatArray:
+        """(V, 3), zero where there is none."""
+
+    @property
+    def uv(self) -> FloatArray | None:
+        """(V, 2), if it has any."""
+
+
+def precompute(
+    mesh: Surface,
+    brdf: BRDF | Sequence[BRDF],
+    *,
+    shares: npt.ArrayLike | None = None,
+    tangents: npt.ArrayLike | None = None,
+    n: int = 5,
+    directions: int = 4096,
+    variants: Sequence[str] = ("unshadowed", "shadowed"),
+    bounces: int = 1,
+    albedo: npt.ArrayLike | None = None,
+    accuracy: float = 24.0,
+    M: int | None = None,
+    path: Way | None = None,
+    K: int | None = None,
+    clusters: int | None = None,
+    half: bool = True,
+    matrices: bool = False,
+    work: str | Path | None = None,
+    progress: Progress | None = None,
+) -> RadianceTransfer:
+    """Precompute how an object reflects the light around it, shadows and interreflections included.
+
+    Parameters
+    ----------
+    mesh : Surface
+        Vertices, faces, normals; in the coordinates of the light, z up.
+    brdf : BRDF or sequence of BRDF
+        The material, anisotropic ones too; or several.
+    shares : (V, materials) array_like, optional
+        Of several materials at each vertex, at least 0: a material for each vertex, or blends, at no cost at
+        run time.
+    tangents : (V, 3) array_like, optional
+        At the vertices, for anisotropic materials; by default around the vertical.
+    n : int
+        Order of the light, degrees 0 to n - 1, 1 to 10.
+    directions : int
+        Rays over a sphere; half of them are cast from each vertex.
+    variants : sequence of {"unshadowed", "shadowed", "interreflected"}
+        What is computed. The last has `bounces` diffuse reflections of the object by itself.
+    bounces : int
+        1 to 1000.
+    albedo : float, (3,), (V,) or (V, 3) array_like, optional
+        Of those reflections, in [0, 1]; by default the material's under white light.
+    accuracy : float
+        Relative SNR of outgoing radiance in dB, in [0, 60], that tents and the path are chosen for; and then,
+        against their matrices, the components. Both are measured (`report`).
+    M : int, optional
+        Tents along a side, instead of choosing.
+    path : shrm.transfer.Path, optional
+        Expansions on the way from rays to tents, instead of choosing.
+    K : int, optional
+        Principal components, instead of choosing.
+    clusters : int, optional
+        Clusters of vertices with components of their own; K is then those of each, 3 unless given.
+    half : bool
+        Whether weights are half floats.
+    matrices : bool
+        Whether uncompressed matrices are kept as well.
+    work : path, optional
+        A folder for what is finished; the same call continues there. Without it a temporary one is used.
+    progress : callable, optional
+        Called with what is being done, in words, and how much of how much is finished. What it raises ends
+        the computation.
+
+    Returns
+    -------
+    RadianceTransfer
+
+    Warns
+    -----
+    UserWarning
+        If the accuracy is not reached.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not as described.
+    """
+    vertices = rows("vertices", mesh.vertices, 3)
+    faces = mesh_faces(mesh.faces, len(vertices))
+    n = whole_number("n", n, 1, MOST_LIGHT)
+    bounces = whole_number("bounces", bounces, 1, MOST_BOUNCES)
+    accuracy = number("accuracy", accuracy, 0.0, 60.0)
+    M = None if M is None else whole_number("M", M, 2, MOST_TENTS)
+    K = None if K is None else whole_number("K", K, 1)
+    clusters = None if clusters is None else whole_number("clusters", clusters, 1, len(vertices))
+    wanted = _wanted(variants)
+    materials = Materials.of(brdf, shares, len(vertices))
+    frames = _frames(mesh, vertices, tangents)
+    rays = local_directions(directions)
+
+    def stage(what: str) -> Callable[[int, int], None]:
+        return lambda done, total: progress(what, done, total) if progress else None
+
+    hidden = wanted != ["unshadowed"]
+    sample = _sample(vertices, faces, frames, rays, hidden)
+    M, path, snr = chosen(
+        materials.brdfs, n, sample, accuracy, M=M, path=path, progress=stage("choosing tents")
+    )
+    products: list[Product] = []
+    for one in materials.brdfs:
+        stage("materials")(len(products), len(materials.brdfs))
+        products.append(product(one, M, n, rays, path))
+    channels, reflected = materials.channels, None
+    found: dict[str, Variant] = {}
+    compression: dict[str, Any] = {}
+    with _folder(work) as folder:
+        if hidden:
+            hits = "interreflected" in wanted
+            name = "rays with hits" if hits else "rays"
+            visibility = Visibility(folder / name, vertices, faces, frames, rays, hits=hits)
+            visibility.compute(stage("rays"))
+            if hits:
+                albedo = materials.albedo(products) if albedo is None else albedo
+                reflected = leaving(visibility, n, albedo, bounces, stage("bounces"))
+                channels = max(channels, reflected.shape[1])
+        made = Matrices(frames, materials, products, channels, n, folder)
+        for name in wanted:
+            if name == "unshadowed":
+                factors = made.unshadowed(stage(name))
+            else:
+                light = reflected if name == "interreflected" else None
+                factors = made.shadowed(visibility, light, stage(name))
+            stage(f"compressing {name}")(0, 1)
+            components = _compressed(factors, n, accuracy, K, clusters)
+            components = components.halved() if half else components
+            stage(f"compressing {name}")(1, 1)
+            compression[name] = components.report()
+            whole = factors.matrices(folder / f"{name} matrices") if matrices else None
+            found[name] = Variant(components.weights, components.components, components.clusters, whole)
+    report = {
+        "SNR of matrices": round(snr, 2) if np.isfinite(snr) else None,
+        "accuracy": accuracy,
+        "path": str(path),
+        "directions": directions,
+        "bounces": bounces if reflected is not None else 0,
+        "compression": compression,
+    }
+    return RadianceTransfer(
+        vertices=vertices.astype(np.float32),
+        faces=faces,
+        frames=frames.astype(np.float32),
+        n=n,
+        M=M,
+        channels=channels,
+        variants=found,
+        uv=None if mesh.uv is None else mesh.uv.astype(np.float32),
+        material=materials.name,
+        report=report,
+    )
+
+
+def _wanted(variants: Sequence[str]) -> list[str]:
+    """The variants in their order."""
+    names = [variants] if isinstance(variants, str) else list(variants)
+    for name in names:
+        one_of("variants", name, VARIANTS)
+    if not names:
+        raise ValueError("variants must name at least one, got none")
+    return [name for name in VARIANTS if name in names]
+
+
+def _frames(mesh: Surface, vertices: FloatArray, tangents: npt.ArrayLike | None) -> FloatArray:
+    """Frames at the vertices; without tangents x runs around the vertical."""
+    normals = rows("vertex_normals", mesh.vertex_normals, 3)
+    if len(normals) != len(vertices):
+        raise ValueError(f"vertex_normals must have the shape {vertices.shape}, got {normals.shape}")
+    around = np.cross([0.0, 0.0, 1.0], normals)
+    return vertex_frames(normals, around if tangents is None else tangents)
+
+
+def _sample(
+    vertices: FloatArray,
+    faces: npt.NDArray[np.int32],
+    frames: FloatArray,
+    rays: FloatArray,
+    hidden: bool,
+) -> Sample:
+    """Some vertices of faces, seeded, and what they see."""
+    fine = local_directions(min(_FINER * 2 * len(rays), 1 << 17))
+    if not hidden:
+        all_see = (np.ones((1, len(d)), np.bool_) for d in (rays, fine))
+        return Sample(rays, next(all_see), fine, next(all_see))
+    of_faces = np.unique(faces)
+    count = min(SAMPLE, len(of_faces))
+    where = np.sort(np.random.default_rng(0).choice(of_faces, count, replace=False))
+    occluders = Occluders(vertices, faces, frames[:, :, 2])
+    seen = [
+        np.concatenate([occluders.cast(slice(p, p + 1), frames[p : p + 1], d, hits=False)[0] for p in where])
+        for d in (rays, fine)
+    ]
+    return Sample(rays, seen[0], fine, seen[1])
+
+
+def _compressed(
+    factors: Factors, n: int, accuracy: float, K: int | None, clusters: int | None
+) -> PrincipalComponents:
+    """Components of a variant, as many as the accuracy takes or as are asked for."""
+    asked: dict[str, Any] = {"accuracy": accuracy} if K is None else {"K": K}
+    if clusters is not None:
+        asked = {}
+    outer = factors.outer
+    if outer is not None and outer.shape[1] * n * n <= _FACTORED:
+        P = outer.reshape(factors.tents, factors.channels, -1)
+        components = factored(P, factors.rows, **asked)
+    else:
+        components = streamed(_blocks(factors), **asked)
+    return components if clusters is None else clustered(components, clusters, 3 if K is None else K)
+
+
+def _blocks(factors: Factors) -> Callable[[], Iterator[npt.NDArray[np.float32]]]:
+    """What gives the matrices anew, in blocks."""
+
+    def blocks() -> Iterator[npt.NDArray[np.float32]]:
+        for start in range(0, len(factors.rows), 1024):
+            part = factors.rows[start : start + 1024]
+            whole = part if factors.outer is None else np.matmul(factors.outer, part)
+            yield whole.reshape(len(part), factors.tents, factors.channels, -1)
+
+    return blocks
+
+
+@contextmanager
+def _folder(work: str | Path | None) -> Iterator[Path]:
+    """The folder that is given, made if need be; or a temporary one."""
+    if work is None:
+        with tempfile.TemporaryDirectory(prefix="shrm-transfer-") as temporary:
+            yield Path(temporary)
+    else:
+        folder = Path(work)
+        folder.mkdir(parents=True, exist_ok=True)
+        yield folder
