@@ -55,7 +55,7 @@ def test_directions_measure_solid_angles_far_better_than_random_ones():
     assert np.sqrt(((measured - 2 * np.pi * part) ** 2).mean()) < np.sqrt((random**2).mean()) / 7
 
 
-@pytest.mark.parametrize("count", [15, 0, -1, (1 << 20) + 1, 4096.0, True, "4096"])
+@pytest.mark.parametrize("count", [15, 0, -1, 65537, 4096.0, True, "4096"])
 def test_bad_counts_are_refused(count):
     with pytest.raises((TypeError, ValueError), match=r"^count must be [^\n]*$"):
         local_directions(count)

@@ -56,6 +56,12 @@ def bowl(k: int) -> Mesh:
     """The half z < 0 of the unit sphere from inside: a square carried there by the concentric map."""
     vertices, faces, _ = grid(2 * k, [-1, -1, 0], [2, 0, 0], [0, 2, 0])
     x, y = vertices[:, 0], vertices[:, 1]
+    # Cells are cut along the diagonal that points at the middle: the other makes corners of rim alone
+    first, second = faces[: 4 * k * k], faces[4 * k * k :]
+    (a, b, c), d = first.T.copy(), second[:, 2].copy()
+    other = (x[a] + x[c]) * (y[a] + y[c]) < 0
+    first[other] = np.stack([a, b, d], axis=1)[other]
+    second[other] = np.stack([b, c, d], axis=1)[other]
     r = np.maximum(abs(x), abs(y))
     angle = np.pi / 4 * np.where(abs(x) >= abs(y), y, x) / np.where(r > 0, r, 1)
     wide, narrow = np.cos(angle), np.sin(angle)

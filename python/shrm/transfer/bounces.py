@@ -51,7 +51,7 @@ def irradiance(visibility: Visibility, n: int) -> FloatArray:
     Returns
     -------
     (V, n^2) float64
-        Rows over the light's coefficients in global coordinates; pi times the directional mean of Y.
+        Rows over the light's coefficients in global coordinates.
 
     Raises
     ------

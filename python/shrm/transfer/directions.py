@@ -12,7 +12,7 @@ from shrm.validation import whole_number
 
 FloatArray = npt.NDArray[np.float64]
 
-MOST_DIRECTIONS = 1 << 20
+MOST_DIRECTIONS = 65536
 """The largest count."""
 
 
@@ -24,7 +24,7 @@ def local_directions(count: int = 4096) -> FloatArray:
     Parameters
     ----------
     count : int
-        Directions that would cover the whole sphere as densely, 16 to 1048576.
+        Directions that would cover the whole sphere as densely, 16 to 65536.
 
     Returns
     -------

@@ -132,6 +132,8 @@ class Visibility:
             raise ValueError(f"frames must have the shape {wanted}, got {self.frames.shape}")
         band_rotations(self.frames, 1)  # refuses what are no rotations
         self.directions: FloatArray = _local("directions", directions)
+        if not isinstance(hits, bool):
+            raise TypeError(f"hits must be True or False, got {hits!r}")
         self.hits = hits
         self.block = whole_number("block", block, 1, 65536)
         self.blocks = -(-len(self.vertices) // self.block)
