@@ -32,19 +32,17 @@ SHRM_KERNEL inline void interpolate(const float* samples, int side, int channels
         }
 }
 
-// b R_p: rows of local coefficients as rows of global ones, band by band.
-template <int known>
-SHRM_KERNEL inline void rotate(const float* bands, int channels, Row<known> row, const Rows& local,
-                               Rows& global) {
-    for (int l = 0; l * l < row.count(); ++l) {
+// b R_p: rows of local coefficients as rows of global ones, band by band. Vectors read and write beyond the
+// end of a band's row; what they write there the next band overwrites.
+SHRM_KERNEL inline void rotate(const float* bands, int channels, int terms, const Rows& local, Rows& global) {
+    for (int l = 0; l * l < terms; ++l) {
         const int width = 2 * l + 1;
-        for (int c = 0; c < channels; ++c) {
-            const float* from = local.of[c] + l * l;
-            float* to = global.of[c] + l * l;
-            std::fill_n(to, width, 0.f);
-            for (int i = 0; i < width; ++i)
-                for (int j = 0; j < width; ++j) to[j] += from[i] * bands[i * width + j];
-        }
+        for (int c = 0; c < channels; ++c)
+            for (int v = 0; v < width; v += lanes) {
+                Floats sum = {};
+                for (int i = 0; i < width; ++i) sum += local.of[c][l * l + i] * load(bands + i * width + v);
+                store(global.of[c] + l * l + v, sum);
+            }
         bands += width * width;
     }
 }
@@ -126,7 +124,7 @@ void light_projected(const TransferSurface& surface, std::span<const float> samp
                      int channels, std::span<const float> rotations, const TransferValues& transfer,
                      std::span<const float> light, const Eye& eye, std::span<float> radiance) {
     const RowLight packed(light);
-    const std::size_t bands = rotations.size() / size(surface.vertices());
+    const std::size_t bands = rotations.size() / size(surface.vertices() + 1);
     for_stored(transfer, [&](const auto* matrices) {
         for_terms(packed.terms(), [&](auto known) {
             const Row<known> row{packed.terms()};
@@ -146,7 +144,7 @@ void light_projected(const TransferSurface& surface, std::span<const float> samp
                         const std::size_t vertex = size(first + p);
                         Rows local, global;
                         interpolate<known>(samples.data(), side, channels, row, at, p, local);
-                        if (bands) rotate<known>(&rotations[vertex * bands], channels, row, local, global);
+                        if (bands) rotate(&rotations[vertex * bands], channels, row.count(), local, global);
                         add_radiance<known>(matrices, vertex, row, channels, bands ? global : local, packed,
                                             sums + 4 * g);
                     }

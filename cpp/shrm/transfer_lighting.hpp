@@ -68,15 +68,16 @@ class CompressedTransfer {
 // [KSS02]. The row, one for the three channels if C = 1, is multiplied from the left, so that a vertex takes
 // as many products as a matrix has elements.
 //   samples    (side^2, C, n^2), rows at the views of a parabolic map, or of the tents (side = M)
-//   rotations  (V, 1 + 9 + ... + (2n-1)^2): the bands of R_p, global to local, by rows; or empty: 1
+//   rotations  (V + 1, 1 + 9 + ... + (2n-1)^2): the bands of R_p, global to local, by rows, and room for the
+//              vectors that begin in the last; or empty: 1
 //   transfer   (V, n^2, n^2): T_p; or empty: 1
 void light_projected(const TransferSurface& surface, std::span<const float> samples, int side, bool parabolic,
                      int channels, std::span<const float> rotations, const TransferValues& transfer,
                      std::span<const float> light, const Eye& eye, std::span<float> radiance);
 
 // A lobe that is symmetric about the reflection of the view, or about the normal, as a convolution of
-// transferred light: sum_lm rho_l (T_p light)_lm Y_lm(axis)   [SKS02].
-//   kernel    (n, C): rho_l
+// transferred light: sum_lm Lambda_l rho_l (T_p light)_lm Y_lm(axis)   [SKS02].
+//   kernel    (n, C): Lambda_l rho_l, Lambda_l = sqrt(4 pi / (2 l + 1))
 //   transfer  (V, n^2, n^2): T_p; or empty: 1
 void light_convolved(const TransferSurface& surface, std::span<const float> kernel, int channels,
                      bool about_normal, const TransferValues& transfer, std::span<const float> light,

@@ -142,8 +142,9 @@ class Projection(Lighting):
             self.transfer = _rotated(self.transfer, self.surface.frames, self.n)
         else:
             bands = band_rotations(_orthonormal(self.surface.frames), self.n)
-            flat = [band.reshape(self.size, -1).astype(np.float32) for band in bands]
-            self._rotations = np.concatenate(flat, axis=1)
+            flat = np.concatenate([band.reshape(self.size, -1) for band in bands], axis=1)
+            self._rotations = np.zeros((self.size + 1, flat.shape[1]), dtype=np.float32)
+            self._rotations[:-1] = flat
 
     def _light(self, light: Float32Array, eye: Eye, radiance: Float32Array) -> None:
         _core.light_projected(
@@ -162,8 +163,9 @@ class Projection(Lighting):
 class Convolution(Lighting):
     """A lobe that is symmetric about an axis, as a convolution of transferred light [SKS02].
 
-    sum_lm rho_l (T_p light)_lm Y_lm(axis): the axis is the reflection of the view, as of Phong's lobe, or the
-    normal, as of Lambert's. In global coordinates it is one direction; nothing else need be rotated.
+    sum_lm Lambda_l rho_l (T_p light)_lm Y_lm(axis): the axis is the reflection of the view, as of Phong's
+    lobe, or the normal, as of Lambert's. In global coordinates it is one direction; nothing else need be
+    rotated.
 
     Parameters
     ----------
@@ -171,7 +173,7 @@ class Convolution(Lighting):
     frames : (V, 3, 3) array_like
         Rotations global_from_local: columns x = tangent, y, z = normal.
     kernel : (n,) or (n, C) array_like
-        rho_l, see `zonal_kernel`; n in [1, 10], C 1 or 3.
+        Lambda_l rho_l, see `zonal_kernel`; n in [1, 10], C 1 or 3.
     transfer : (V, n^2, n^2) array, optional
         T_p, float32 or float16. Without it nothing shadows, and frames alone are stored.
     axis : {"reflection", "normal"}
@@ -214,7 +216,7 @@ class Convolution(Lighting):
 
 
 def zonal_kernel(brdf: BRDF, n: int) -> FloatArray:
-    """Return rho_l of a material of one lobe that is symmetric about its axis, such as Phong's and Lambert's.
+    """Return Lambda_l rho_l of a material of one lobe that is symmetric about its axis, such as Phong's and Lambert's.
 
     Parameters
     ----------
@@ -238,7 +240,8 @@ def zonal_kernel(brdf: BRDF, n: int) -> FloatArray:
     if len(brdf.lobes) != 1 or not isinstance(brdf.lobes[0], RadialLobe):
         raise ValueError(f"brdf must have one lobe, symmetric about its axis, got {brdf.name}")
     rho = analyse(brdf.lobes[0], n - 1, 0).coefficients(n - 1, 0)[:, 0, 0]
-    return np.asarray(rho / np.sqrt(4 * np.pi))  # rho_l00 = sqrt(4 pi) rho_l [RH02] appendix C
+    # Lambda_l rho_l, of which rho_l00 = sqrt(4 pi) rho_l [RH02 appendix C]
+    return np.asarray(rho / np.sqrt(2 * np.arange(n)[:, None] + 1))
 
 
 def parabolic_map(brdf: BRDF, n: int, side: int = 64) -> Float32Array:
