@@ -86,6 +86,9 @@ CPP_ORDER = [
     ["transfer"],
     ["directional_basis"],
     ["radiance_pca"],
+    ["transfer_views"],
+    ["transfer_rows", "transfer_lighting"],
+    ["transfer_tents", "transfer_compressed", "transfer_earlier"],
 ]
 
 

@@ -31,6 +31,10 @@
 //   [KVHS00]   J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to
 //              Prefiltered Environment Maps. EGWR 2000.
 //   [LK03]     J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
+//   [SKS02]    P.-P. Sloan, J. Kautz, J. Snyder. Precomputed Radiance Transfer for Real-Time
+//              Rendering in Dynamic, Low-Frequency Lighting Environments. SIGGRAPH 2002.
+//   [KSS02]    J. Kautz, P.-P. Sloan, J. Snyder. Fast, Arbitrary BRDF Shading for
+//              Low-Frequency Lighting Using Spherical Harmonics. EGWR 2002.
 //   [WAT92]    S. Westin, J. Arvo, K. Torrance. Predicting Reflectance Functions from Complex
 //              Surfaces. SIGGRAPH 1992.
 //   [SHHS03]   P.-P. Sloan, J. Hall, J. Hart, J. Snyder. Clustered Principal Components for
@@ -106,6 +110,10 @@
 //   hierarchical    the same sums by descent in the pyramid; walk is the descent, radial, zonal, isotropic
 //                   are the kinds of lobe
 //   directional_basis  matrix radiance transfer: tents over the hemisphere, for outgoing radiance
+//   transfer_lighting  its run time: vertices lit through their matrices. Its parts:
+//                   views    where vertices see the eye, in their frames and between samples
+//                   rows     products of rows and light in vectors
+//                   tents, compressed, earlier   the methods
 //   simd            vectors of the instruction set that a file is compiled for
 //   stream          stores of what is larger than the caches
 #pragma once

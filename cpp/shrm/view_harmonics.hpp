@@ -2,6 +2,7 @@
 #pragma once
 
 #include <numbers>
+#include <type_traits>
 
 #include "shrm/core.hpp"
 #include "shrm/legendre.hpp"
@@ -16,19 +17,29 @@ inline const LegendreRecurrence& view_recurrence() {
     return recurrence;
 }
 
+// float or double, of a number or a vector of them.
+template <class Value>
+inline auto scalar_of(const Value& value) {
+    if constexpr (std::is_arithmetic_v<Value>)
+        return value;
+    else
+        return value[0];
+}
+
 // Y_pq(direction), real basis, for all p <= P: f_pq is sin^q times a polynomial in z, and
-// sin^q e^{i q phi} = (x + i y)^q. Value is double, or a vector of doubles.
+// sin^q e^{i q phi} = (x + i y)^q. Value is a number or a vector of them; of floats the degree should be low.
 template <class Vector, class Value>
 inline void real_harmonics(int P, const Vector& direction, Value* Y) {
+    using Scalar = decltype(scalar_of(Value{}));
     const LegendreRecurrence& recurrence = view_recurrence();
-    Value cosine_q = std::numbers::sqrt2 + Value{}, sine_q{};
+    Value cosine_q = std::numbers::sqrt2_v<Scalar> + Value{}, sine_q{};
     for (int q = 0; q <= P; ++q) {
-        Value f = recurrence.start(q) + Value{}, previous{};
+        Value f = static_cast<Scalar>(recurrence.start(q)) + Value{}, previous{};
         for (int p = q; p <= P; ++p) {
             Y[lm(p, q)] = q ? f * cosine_q : f;
             if (q) Y[lm(p, -q)] = f * sine_q;
             const auto [a, b] = recurrence.steps(q)[p - q];
-            const Value next = a * direction.z * f - b * previous;
+            const Value next = static_cast<Scalar>(a) * direction.z * f - static_cast<Scalar>(b) * previous;
             previous = f;
             f = next;
         }

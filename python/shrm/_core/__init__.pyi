@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
+I32 = npt.NDArray[np.int32]
 I64 = npt.NDArray[np.int64]
 F16 = npt.NDArray[np.float16]
 F32 = npt.NDArray[np.float32]
@@ -188,3 +189,45 @@ def hemisphere_from_square(*, positions: F64) -> F64: ...
 def tents(*, directions: F64, M: int) -> tuple[I64, F64]: ...
 def evaluate_tents(*, coefficients: F64, directions: F64, M: int) -> F64: ...
 def accumulate_tents(*, values: F64, directions: F64, M: int) -> F64: ...
+
+# transfer_lighting
+class TransferSurface:
+    def __init__(self, *, vertices: F32, frames: F32) -> None: ...
+
+def light_tents(
+    *, surface: TransferSurface, matrices: F32 | F16, light: F32, eye: F32, distant: bool, radiance: F32
+) -> None: ...
+def light_fixed_tents(
+    *, surface: TransferSurface, coefficients: F32, eye: F32, distant: bool, radiance: F32
+) -> None: ...
+def light_rows(*, rows: F32 | F16, light: F32, radiance: F32) -> None: ...
+
+class CompressedTransfer:
+    def __init__(self, *, weights: F32 | F16, components: F32, clusters: I32 | None, K: int) -> None: ...
+    def run(
+        self, *, surface: TransferSurface, light: F32, eye: F32, distant: bool, radiance: F32
+    ) -> None: ...
+
+def light_projected(
+    *,
+    surface: TransferSurface,
+    samples: F32,
+    parabolic: bool,
+    rotations: F32 | None,
+    transfer: F32 | F16 | None,
+    light: F32,
+    eye: F32,
+    distant: bool,
+    radiance: F32,
+) -> None: ...
+def light_convolved(
+    *,
+    surface: TransferSurface,
+    kernel: F32,
+    about_normal: bool,
+    transfer: F32 | F16 | None,
+    light: F32,
+    eye: F32,
+    distant: bool,
+    radiance: F32,
+) -> None: ...
