@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -25,25 +25,12 @@ from shrm.render.placement import Placement
 from shrm.render.vertex_radiance import VertexRadiance
 
 if TYPE_CHECKING:
+    from shrm.transfer.lighting import Lighting
     from shrm.transfer.object import RadianceTransfer
 
 SUFFIX = ".shrt"
 
 Viewer = Literal["near", "distant"]
-
-
-class VertexLighting(Protocol):
-    """One of the ways from light to radiance at vertices: what `RadianceTransfer.lighting` returns."""
-
-    def radiance(
-        self,
-        light: npt.NDArray[np.float32],
-        *,
-        eye: FloatArray | None = None,
-        view: FloatArray | None = None,
-    ) -> npt.NDArray[np.float32]:
-        """Radiance (V, 3) under light (n^2, 3), towards an eye at a point or in a direction."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +63,7 @@ class TransferredMesh:
         """The mesh in the world."""
         return _mesh(self.transfer).moved(self.placement)
 
-    def light(self, coefficients: npt.ArrayLike, rotation: npt.ArrayLike) -> npt.NDArray[np.float32]:
+    def light(self, coefficients: npt.ArrayLike, rotation: npt.ArrayLike) -> FloatArray:
         """Turn light, then into the object's coordinates.
 
         Parameters
@@ -88,16 +75,15 @@ class TransferredMesh:
 
         Returns
         -------
-        (n^2, 3) float32
+        (n^2, 3) float64
         """
         low = np.asarray(coefficients)[: self.transfer.n**2]
-        turned = sh.rotate(low, self.placement.R.T @ np.asarray(rotation, np.float64))
-        return np.ascontiguousarray(turned, np.float32)
+        return sh.rotate(low, self.placement.R.T @ np.asarray(rotation, np.float64))
 
     def lit(
         self,
-        lighting: VertexLighting,
-        light: npt.NDArray[np.float32],
+        lighting: Lighting,
+        light: npt.ArrayLike,
         camera: Camera,
         viewer: Viewer = "near",
     ) -> VertexRadiance:
@@ -105,9 +91,9 @@ class TransferredMesh:
 
         Parameters
         ----------
-        lighting : VertexLighting
+        lighting : shrm.transfer.lighting.Lighting
             `RadianceTransfer.lighting` of the transfer.
-        light : (n^2, 3) float32
+        light : (n^2, 3) array_like
             See `light`.
         camera : Camera
         viewer : {"near", "distant"}
@@ -140,20 +126,16 @@ def load(path: str | Path) -> RadianceTransfer:
 
 
 def is_transfer(path: str | Path) -> bool:
-    """Whether a file is an object with transfer: by its content, or by a name that says so."""
+    """Whether a file is an object with transfer: by its first bytes, or by a name that says so."""
+    from shrm.transfer.file import MAGIC
+
     if Path(path).suffix.lower() == SUFFIX:
         return True  # what is wrong with it, opening it says
     try:
-        load(path)
-    except (OSError, ValueError):
+        with open(path, "rb") as file:
+            return file.read(len(MAGIC)) == MAGIC
+    except OSError:
         return False
-    return True
-
-
-def stored_components(transfer: RadianceTransfer, variant: str) -> int | None:
-    """Return how many components a variant holds, for each cluster if it has some; None uncompressed."""
-    components = transfer.variants[variant].components
-    return None if components is None else int(components.shape[-4])
 
 
 def _mesh(transfer: RadianceTransfer) -> Mesh:
