@@ -19,7 +19,7 @@ from shrm.directional_basis import DirectionalBasis
 from shrm.tangent_frames import band_rotations, vertex_frames
 
 N, M = 4, 5
-COMPONENTS = 12
+COMPONENTS = 60
 
 
 MAGIC = b"stand-in"
@@ -76,6 +76,8 @@ class _RadianceTransfer:
     def lighting(self, variant=None, *, K=None, M=None):
         held = self.variants[variant or list(self.variants)[-1]]
         components = held.components
+        if (K or 1) > held.K or (M or 2) > self.M:
+            raise ValueError(f"K must be at most {held.K} and M at most {self.M}, got {K} and {M}")
         if M is not None and M != self.M:
             components = np.einsum("st,ktcj->kscj", coarser(self.M, M), components)
         return _Lighting(self.vertices, self.frames, held.weights, components, K or held.K)
@@ -149,7 +151,7 @@ def transferred(
     """A glossy globe: T is the identity, and the made-up shadow lies on its lower half."""
     vertices, faces, uv = globe(rings, around)
     normals = (vertices - vertices.mean(axis=0)) / np.array([0.7, 0.7, 0.5]) ** 2
-    frames = vertex_frames(normals)
+    frames = vertex_frames(normals, np.cross([0.0, 0.0, 1.0], normals))
     material = brdf.GGX(0.5, f0=(1.0, 0.7, 0.3))
     Q = project_on_tents(material, DirectionalBasis(M), N)
     R = np.zeros((len(vertices), N * N, N * N))
