@@ -15,8 +15,8 @@ import pytest
 from shrm import Environment
 from shrm.image_io import ImageWarning, read_image, write_image
 from shrm.render import display
-from shrm.viewer.app import METHODS
 from shrm.viewer.context import ContextError
+from shrm.viewer.shortcuts import METHODS
 from shrm.viewer.state import UNTURNED, State
 from window_driver import GL, MIDDLE, SIZE, WHOLE_PANEL, WIDTH, Application, Opened, glfw, same
 
@@ -162,7 +162,7 @@ def test_pictures_and_meshes_are_dropped(opened: Opened, tmp_path: Path) -> None
 def test_tangents_are_chosen_where_a_material_has_a_lobe_about_them(opened: Opened, tmp_path: Path) -> None:
     hands = opened(WHOLE_PANEL, materials=("banks:0.5",))
     app = hands.app
-    assert "tangents" in app.panel.places  # though a sphere has no choice of them
+    assert "tangents" in app.panel.widgets.places  # though a sphere has no choice of them
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
     (tmp_path / "bare.obj").write_text(corners + "f 1 2 3\n")
     (tmp_path / "aslant.obj").write_text(corners + "vt 0 0\nvt 1 1\nvt -1 1\nf 1/1 2/2 3/3\n")
@@ -172,7 +172,7 @@ def test_tangents_are_chosen_where_a_material_has_a_lobe_about_them(opened: Open
 
     def choose(line: int) -> None:
         hands.click("tangents")  # its list opens
-        left, top, _, bottom = app.panel.places["tangents"]
+        left, top, _, bottom = app.panel.widgets.places["tangents"]
         place = left + 20.0, bottom + 10.0 + 0.8 * (line - 0.5) * (bottom - top)
         hands.drag(glfw.MOUSE_BUTTON_LEFT, place)
         hands.settle()
@@ -191,7 +191,7 @@ def test_tangents_are_chosen_where_a_material_has_a_lobe_about_them(opened: Open
     assert (app.state.tangents, app.fault) == ("axis", "")
     app.state = app.state.with_material(0, "ggx:0.4")
     hands.settle()
-    assert "tangents" not in app.panel.places
+    assert "tangents" not in app.panel.widgets.places
 
 
 def test_a_refused_picture_is_repaired_or_given_its_layout(opened: Opened, tmp_path: Path) -> None:
@@ -215,7 +215,7 @@ def test_a_refused_picture_is_repaired_or_given_its_layout(opened: Opened, tmp_p
     assert "odd.exr" in app.fault  # nothing says how it shows the sphere
     assert app.state.environment == str(tmp_path / "holed.exr")
     hands.click("layout")  # its list opens
-    left, _, _, bottom = app.panel.places["layout"]
+    left, _, _, bottom = app.panel.widgets.places["layout"]
     hands.drag(glfw.MOUSE_BUTTON_LEFT, (left + 20.0, bottom + 31.0))  # the second line of it
     hands.settle()
     assert (app.state.environment, app.state.layout) == (str(tmp_path / "odd.exr"), "latlong")

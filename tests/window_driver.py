@@ -121,7 +121,7 @@ class Hands:
 
     def place(self, name: str, share: float = 0.5) -> tuple[float, float]:
         """A point of a control, at a share of its width."""
-        x0, y0, x1, y1 = self.app.panel.places[name]
+        x0, y0, x1, y1 = self.app.panel.widgets.places[name]
         return x0 + share * (x1 - x0), 0.5 * (y0 + y1)
 
     def click(self, name: str) -> None:

@@ -34,9 +34,13 @@ def add_environment(
     flag: bool = False,
     optional: bool = False,
     layout_flags: tuple[str, ...],
+    or_else: str = "",
 ) -> None:
-    """Add the environment, as an argument of its own or as --env, and how it is read."""
-    what = "environment map (.hdr, .exr, .png, ...), or 'daylight'"
+    """Add the environment, as an argument of its own or as --env, and how it is read.
+
+    `or_else` says what else that argument may be.
+    """
+    what = f"environment map (.hdr, .exr, .png, ...), or 'daylight'{or_else}"
     if flag:
         command.add_argument("--env", metavar="ENV", default="daylight", help=f"{what} (default)")
     else:
@@ -117,6 +121,34 @@ def add_viewer(command: argparse.ArgumentParser, default: str) -> None:
             default=default,
             help=f"{what} (default)" if name == default else what,
         )
+
+
+VARIANTS = ("unshadowed", "shadowed", "interreflected")
+"""Those of `shrm.transfer`."""
+
+
+def add_transfer(command: argparse.ArgumentParser) -> None:
+    """Add what is used of an object with transfer."""
+    add = command.add_argument
+    add(
+        "--variant",
+        choices=VARIANTS,
+        help="of an object with transfer: without shadows, with them, or with light between its parts too"
+        " (default: the most complete that it has)",
+    )
+    add("--components", type=whole, metavar="K", help="components of its transfer to use (default: all)")
+    add("--tents", type=whole, metavar="M", help="tents to a side, in place of more (default: all)")
+
+
+def of_transfer(options: argparse.Namespace) -> str | None:
+    """Return the first option given that is for objects with transfer alone."""
+    names = ("variant", "components", "tents", "light_turn")
+    return next((flag(name) for name in names if getattr(options, name, None) is not None), None)
+
+
+def flag(name: str) -> str:
+    """Return an option's name on the command line."""
+    return f"--{name.replace('_', '-')}"
 
 
 def add_output(command: argparse.ArgumentParser, *suffixes: str) -> None:

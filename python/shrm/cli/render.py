@@ -1,9 +1,11 @@
-"""Draw spheres or a mesh, made of one or several materials and lit by an environment.
+"""Draw spheres, a mesh, or an object with transfer, lit by an environment.
 
 Every --brdf, and every --map that `shrm prefilter` saved, adds an object to a row. A .png is
-multiplied by 2^exposure, clipped at white and encoded by the sRGB curve; an .exr is linear. There
-are no shadows and no interreflection. With --gpu OpenGL draws the same picture, with or without a
-display.
+multiplied by 2^exposure, clipped at white and encoded by the sRGB curve; an .exr is linear. With
+--gpu OpenGL draws the same picture, with or without a display.
+
+Materials and maps know no shadows and no interreflection. An object whose transfer `shrm transfer`
+has precomputed does; it stands alone, and has its material already.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from shrm.cli.console import progress
 from shrm.cli.options import (
@@ -20,10 +22,12 @@ from shrm.cli.options import (
     add_orders,
     add_output,
     add_tangents,
+    add_transfer,
     add_viewer,
     degrees,
     extent,
     number,
+    of_transfer,
     parse_brdf,
     read_environment,
     view,
@@ -44,6 +48,12 @@ EXAMPLE = "shrm render --env grace.hdr --brdf lambert:0.8 --brdf ggx:0.1 --mesh 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     add = command.add_argument
+    add(
+        "transfer",
+        metavar="FILE",
+        nargs="?",
+        help="object with transfer (.shrt), in place of --brdf and --map",
+    )
     add_environment(command, flag=True, layout_flags=("--layout", "--env-layout"))
     add(
         "--brdf",
@@ -72,6 +82,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="how to prefilter: in frequency space (shrm, the default); pixel by pixel, over all the light"
         " (angular) or in a pyramid of it (hierarchical); or by an earlier technique, an approximation: "
         f"{', '.join(TECHNIQUES)}. The tolerance of the last two kinds is 0.01 unless it is given",
+    )
+    add_transfer(command)
+    add(
+        "--light-turn",
+        type=number,
+        metavar="DEG",
+        help="turn the light of an object with transfer about the vertical",
     )
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--turn", type=number, default=0.0, metavar="DEG", help="turn the mesh about the vertical")
@@ -112,8 +129,18 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Prefilter each material, draw, write."""
+    if options.frames is not None and options.turntable is None:
+        raise argparse.ArgumentError(None, "--frames is for a --turntable")
+    if options.transfer is not None:
+        from shrm.cli.transferred import TransferredStage, require_none_of_maps
+
+        require_none_of_maps(options)
+        write(TransferredStage(options), options)
+        return
     if options.row is None:
-        raise argparse.ArgumentError(None, "needs a --brdf or a --map")
+        raise argparse.ArgumentError(None, "needs a --brdf, a --map or an object with transfer")
+    if of_transfer(options) is not None:
+        raise argparse.ArgumentError(None, f"{of_transfer(options)} is for an object with transfer")
     if options.gpu and options.method in INTEGRATED:
         raise argparse.ArgumentError(
             None, f"--gpu draws reflection maps: it cannot go with --method {options.method}"
@@ -122,8 +149,6 @@ def run(options: argparse.Namespace) -> None:
         raise argparse.ArgumentError(None, f"--orders are for --method shrm, not {options.method}")
     if options.method == "angular" and options.tolerance is not None:
         raise argparse.ArgumentError(None, "--method angular leaves nothing out: it takes no --tolerance")
-    if options.frames is not None and options.turntable is None:
-        raise argparse.ArgumentError(None, "--frames is for a --turntable")
     if options.turntable == "light" and (
         options.method != "shrm" or any(kind == "map" for kind, _ in options.row)
     ):
@@ -132,10 +157,25 @@ def run(options: argparse.Namespace) -> None:
             "a --turntable of the light turns reflection maps that it makes: it needs a --brdf for each, and"
             " --method shrm",
         )
+    row = [saved(text) if kind == "map" else parse_brdf(text) for kind, text in options.row]
+    write(Stage(row, options), options)
+
+
+class Drawable(Protocol):
+    """Something to draw, and how large its pictures are."""
+
+    width: int
+    height: int
+
+    def draw(self, degrees: float, report: Callable[[float], None] | None) -> Picture:
+        """Draw it turned, as the turntable has it."""
+        ...
+
+
+def write(stage: Drawable, options: argparse.Namespace) -> None:
+    """Draw a picture, or all of a turntable, into files."""
     from shrm.render import numbered, write_picture
 
-    row = [saved(text) if kind == "map" else parse_brdf(text) for kind, text in options.row]
-    stage = Stage(row, options)
     frames = 1 if options.turntable is None else options.frames or FRAMES
     exposure, first = options.exposure, options.output
     with progress("Drawing" if frames == 1 else f"Drawing {frames} pictures") as report:

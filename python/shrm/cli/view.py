@@ -1,7 +1,11 @@
 """Look at spheres or a mesh in a window, and change light, material and view while looking.
 
 Every --brdf adds an object to a row. Drag with the left button to orbit, with the right one to turn
-the light; ? lists all keys. Pictures, meshes and saved windows can be dropped on the window.
+the light; ? lists all keys. Pictures, meshes, objects with transfer and saved windows can be dropped
+on the window.
+
+An object whose transfer `shrm transfer` has precomputed, in place of the environment, shadows and
+lights itself under a light that turns; --env is its light then.
 """
 
 from __future__ import annotations
@@ -13,22 +17,32 @@ from shrm.cli.options import (
     add_environment,
     add_orders,
     add_tangents,
+    add_transfer,
     add_viewer,
     extent,
+    flag,
     number,
+    of_transfer,
     parse_brdf,
 )
 
 if TYPE_CHECKING:
     from shrm.viewer.state import State
 
-EXAMPLE = "shrm view grace.hdr --brdf ggx:0.3,1.0/0.71/0.29 --mesh bunny.ply"
+EXAMPLE = (
+    "shrm view grace.hdr --brdf ggx:0.3,1.0/0.71/0.29 --mesh bunny.ply"
+    "    or    shrm view bunny.shrt --env grace.hdr"
+)
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     add = command.add_argument
-    add_environment(command, optional=True, layout_flags=("--layout",))
+    add_environment(
+        command, optional=True, layout_flags=("--layout",), or_else="; or an object with transfer (.shrt)"
+    )
+    add("--env", dest="light", metavar="ENV", help="environment map that lights an object with transfer")
+    add_transfer(command)
     add(
         "--brdf",
         dest="materials",
@@ -84,8 +98,9 @@ def state(options: argparse.Namespace) -> State:
     first = State.load(options.state) if saved else State()
     for text in options.materials or ():
         parse_brdf(text)
+    transfer, environment = opened(options)
     given = {
-        "environment": options.env if options.env in (None, "daylight") else absolute(options.env),
+        "environment": environment if environment in (None, "daylight") else absolute(environment),
         "layout": options.env_layout,
         "repair": True if options.repair else None,
         "materials": None if options.materials is None else tuple(options.materials),
@@ -100,13 +115,48 @@ def state(options: argparse.Namespace) -> State:
         "exposure": options.exposure,
         "automatic": None if options.exposure is None else False,
         "selected": None if options.materials is None else 0,
+        "transfer": None if transfer is None else absolute(transfer),
+        "variant": options.variant,
+        "components": options.components,
+        "tents": options.tents,
     }
     changes = {name: value for name, value in given.items() if value is not None}
     if options.materials is not None or options.mesh is not None:  # other objects are fitted anew
+        changes.update(eye=None, transfer=None)
+    if transfer is not None:
         changes["eye"] = None
     if options.tolerance is not None:
         changes["orders"] = None
-    return replace(first, **changes)
+    shown = replace(first, **changes)
+    if shown.transfer is None and of_transfer(options) is not None:
+        raise argparse.ArgumentError(None, f"{of_transfer(options)} is for an object with transfer")
+    return shown
+
+
+def opened(options: argparse.Namespace) -> tuple[str | None, str | None]:
+    """Return the paths of the object with transfer and of the environment, as far as they are given.
+
+    Raises
+    ------
+    argparse.ArgumentError
+        If there is an environment too many, or what an object with transfer has already.
+    """
+    from shrm.render.transferred import is_transfer
+
+    path = options.env
+    if path in (None, "daylight") or not is_transfer(path):
+        if path is not None and options.light is not None:
+            raise argparse.ArgumentError(None, "ENV and --env are two environments: one can be shown")
+        return None, options.light if path is None else path
+    names = {"materials": "--brdf", **{name: flag(name) for name in OF_MAPS}}
+    for name, said in names.items():
+        if getattr(options, name) is not None:
+            raise argparse.ArgumentError(None, f"{said} cannot go with {path}, which has mesh and material")
+    return path, options.light
+
+
+OF_MAPS = ("mesh", "up", "tangents", "tolerance", "orders", "method")
+"""What an object with transfer has already, or has no use for."""
 
 
 def absolute(path: str) -> str:

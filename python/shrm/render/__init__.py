@@ -1,6 +1,7 @@
-"""Pictures without a GPU: spheres and meshes whose materials are prefiltered.
+"""Pictures without a GPU: spheres and meshes whose materials are prefiltered, objects with transfer.
 
-camera -> line_field, tangents -> shapes, mesh -> lookup -> tonemap -> picture -> row, turntable, output
+camera -> line_field, tangents, placement -> shapes, mesh -> lookup -> tonemap -> vertex_radiance -> picture
+transferred, row, turntable, output
 """
 
 from shrm.render.camera import Camera
@@ -9,11 +10,14 @@ from shrm.render.lookup import environment_lookup, texture_lookup
 from shrm.render.mesh import Mesh
 from shrm.render.output import write_picture
 from shrm.render.picture import Object, Picture, Reflection, render
+from shrm.render.placement import Placement, about_vertical
 from shrm.render.row import row_camera, row_picture
 from shrm.render.shapes import Hits, Shape, Sphere
 from shrm.render.tangents import Tangents, principal_tangents, uv_tangents
 from shrm.render.tonemap import automatic_exposure, display, srgb
-from shrm.render.turntable import about_vertical, numbered, turned_camera
+from shrm.render.transferred import TransferredMesh
+from shrm.render.turntable import numbered, turned_camera
+from shrm.render.vertex_radiance import VertexRadiance
 
 __all__ = [
     "Camera",
@@ -21,10 +25,13 @@ __all__ = [
     "Mesh",
     "Object",
     "Picture",
+    "Placement",
     "Reflection",
     "Shape",
     "Sphere",
     "Tangents",
+    "TransferredMesh",
+    "VertexRadiance",
     "about_vertical",
     "automatic_exposure",
     "display",

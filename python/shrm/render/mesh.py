@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from shrm.render.camera import FloatArray, Vector
 from shrm.render.line_field import orthogonalised, unit
+from shrm.render.placement import Placement, about_vertical
 from shrm.render.shapes import Hits
 from shrm.render.tangents import Tangents, principal_tangents, uv_tangents
 from shrm.validation import one_of
@@ -104,16 +105,26 @@ class Mesh:
         turn : float
             Degrees from +x towards +y.
         """
-        c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
-        rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        turned = self.vertices @ rotation.T
+        return self.moved(self.placement(center, radius, turn))
+
+    def placement(
+        self, center: Vector = (0.0, 0.0, 0.0), radius: float = 1.0, turn: float = 0.0
+    ) -> Placement:
+        """Return how `placed` moves the mesh."""
+        R = about_vertical(turn)
+        turned = self.vertices @ R.T
         low, high = turned.min(axis=0), turned.max(axis=0)
         scale = 2.0 * radius / (float((high - low).max()) or 1.0)
+        return Placement(R, scale, np.asarray(center) - scale * 0.5 * (low + high))
+
+    def moved(self, placement: Placement) -> Mesh:
+        """Return the mesh as it stands by a placement."""
+        R = placement.R
         return replace(
             self,
-            vertices=np.asarray(center) + (turned - 0.5 * (low + high)) * scale,
-            normals=None if self.normals is None else self.normals @ rotation.T,
-            tangents=None if self.tangents is None else self.tangents @ rotation.T,
+            vertices=placement.world_from_object(self.vertices),
+            normals=None if self.normals is None else self.normals @ R.T,
+            tangents=None if self.tangents is None else self.tangents @ R.T,
         )
 
     def with_tangents(self, field: Tangents) -> Mesh:
@@ -194,7 +205,7 @@ class Mesh:
         if self.tangents is not None:
             interpolated = np.einsum("nk,nkx->nx", weights, self.tangents[face])
             tangents = orthogonalised(interpolated, normals)
-        return Hits(distances, normals, uv, tangents)
+        return Hits(distances, normals, uv, tangents, corners, weights)
 
 
 def _gather(

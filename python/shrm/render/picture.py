@@ -1,4 +1,7 @@
-"""The renderer: first hits, reflected radiance, background. No shadows, no interreflection."""
+"""The renderer: first hits, reflected radiance, background.
+
+Materials know no shadows and no interreflection; radiance at vertices has what was precomputed.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,9 @@ import numpy.typing as npt
 from shrm.render.camera import Camera, FloatArray, Vector
 from shrm.render.line_field import VERTICAL, orthogonalised, tangents_around, unit
 from shrm.render.lookup import environment_lookup, texture_lookup
-from shrm.render.shapes import Shape
+from shrm.render.mesh import Mesh
+from shrm.render.shapes import Hits, Shape
+from shrm.render.vertex_radiance import VertexRadiance
 
 FloatPixels = npt.NDArray[np.float32]
 
@@ -48,18 +53,30 @@ class Object:
     Parameters
     ----------
     shape : Shape
-    material : Reflection
+    material : Reflection or VertexRadiance
+        The latter on a `Mesh`, with a row for each of its vertices.
     texture : (H, W, 3) float32, optional
         Linear; multiplies the reflected light [RH02 sec. 3]. (u, v) = (0, 1) is its upper left corner.
     axis : 3 floats
         Tangents, which only materials centred on them use, run around this axis, unless the shape has a
         tangent field of its own (`Mesh.with_tangents`).
+
+    Raises
+    ------
+    TypeError, ValueError
+        If radiance is given at vertices, and the shape is no mesh or has another number of them.
     """
 
     shape: Shape
-    material: Reflection
+    material: Reflection | VertexRadiance
     texture: FloatPixels | None = None
     axis: Vector = VERTICAL
+
+    def __post_init__(self) -> None:
+        if isinstance(self.material, VertexRadiance):
+            if not isinstance(self.shape, Mesh):
+                raise TypeError(f"radiance at vertices needs a Mesh, got {type(self.shape).__name__}")
+            self.material.require_vertices(len(self.shape.vertices))
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,21 +191,41 @@ def _trace(
     for index, (thing, hits) in enumerate(zip(objects, all_hits, strict=True)):
         seen = np.flatnonzero(first == index)
         if len(seen):
-            _, some, point = np.unique(points[seen], return_index=True, return_inverse=True)
-            normals, toward_eye = (unit(_sums(x[seen], point, len(some))) for x in (hits.normals, views))
-            if hits.tangents is None:
-                tangents = tangents_around(thing.axis, normals)
+            if isinstance(thing.material, VertexRadiance):
+                reflected = _interpolated(thing.material, hits, seen)
             else:
-                lines = _same_sign(hits.tangents[seen], hits.tangents[seen[some]][point])
-                means = _sums(lines, point, len(some)) / np.bincount(point)[:, None]
-                tangents = orthogonalised(means, normals, thing.axis)
-            reflected = thing.material.radiance(
-                _single(normals), _single(toward_eye), tangents=_single(tangents)
-            )[point]
+                reflected = _reflected(thing, thing.material, hits, seen, views, points)
             if thing.texture is not None:
                 reflected = reflected * texture_lookup(thing.texture, hits.uv[seen])
             radiance[seen] = reflected
     return radiance, ~missed
+
+
+def _reflected(
+    thing: Object,
+    material: Reflection,
+    hits: Hits,
+    seen: npt.NDArray[np.intp],
+    views: FloatArray,
+    points: npt.NDArray[np.intp],
+) -> FloatPixels:
+    """Reflected radiance (k, 3) of the rays that see an object; those of the same point ask once."""
+    _, some, point = np.unique(points[seen], return_index=True, return_inverse=True)
+    normals, toward_eye = (unit(_sums(x[seen], point, len(some))) for x in (hits.normals, views))
+    if hits.tangents is None:
+        tangents = tangents_around(thing.axis, normals)
+    else:
+        lines = _same_sign(hits.tangents[seen], hits.tangents[seen[some]][point])
+        means = _sums(lines, point, len(some)) / np.bincount(point)[:, None]
+        tangents = orthogonalised(means, normals, thing.axis)
+    return material.radiance(_single(normals), _single(toward_eye), tangents=_single(tangents))[point]
+
+
+def _interpolated(material: VertexRadiance, hits: Hits, seen: npt.NDArray[np.intp]) -> FloatPixels:
+    """Radiance (k, 3) of the rays that see an object, from its vertices."""
+    assert hits.corners is not None  # the shape is a mesh
+    assert hits.weights is not None
+    return material.at(hits.corners[seen], hits.weights[seen])
 
 
 def _sums(vectors: FloatArray, group: npt.NDArray[np.intp], groups: int) -> FloatArray:

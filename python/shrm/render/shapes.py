@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
 
 from shrm.render.camera import FloatArray, Vector
 
@@ -24,12 +25,18 @@ class Hits:
         Texture coordinates, v upwards.
     tangents : (n, 3) float64, optional
         Unit tangents orthogonal to the normals, of any sign; without them they run around the object's axis.
+    corners : (n, 3) int64, optional
+        Vertices of the face that is hit, of shapes that have faces.
+    weights : (n, 3) float64, optional
+        Barycentric coordinates in that face.
     """
 
     distances: FloatArray
     normals: FloatArray
     uv: FloatArray
     tangents: FloatArray | None = None
+    corners: npt.NDArray[np.int64] | None = None
+    weights: FloatArray | None = None
 
 
 class Shape(Protocol):

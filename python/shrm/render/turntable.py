@@ -7,13 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from shrm.render.camera import Camera, FloatArray
-
-
-def about_vertical(degrees: float) -> FloatArray:
-    """The rotation (3, 3) about +z that carries +x towards +y."""
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+from shrm.render.camera import Camera
+from shrm.render.placement import about_vertical
 
 
 def turned_camera(camera: Camera, degrees: float) -> Camera:

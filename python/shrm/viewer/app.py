@@ -6,37 +6,33 @@ import time
 from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import glfw
 
 from shrm.faults import one_line
-from shrm.render.picture import Object
 from shrm.render.tonemap import automatic_exposure
-from shrm.viewer.choices import MESHES, Action
-from shrm.viewer.comparison import Comparison
+from shrm.viewer.choices import Action
+from shrm.viewer.comparison import Comparison, question_of
 from shrm.viewer.drag import Drag, begun, dragged
-from shrm.viewer.filtered import FilteredMaterials
-from shrm.viewer.geometry import bounds
-from shrm.viewer.integration import Question
+from shrm.viewer.drawing import Drawing, Faults
 from shrm.viewer.keys import draw_keys
 from shrm.viewer.lighting import Lighting, Prefiltered, Request
-from shrm.viewer.orbit import Orbit
+from shrm.viewer.opening import with_file
+from shrm.viewer.orbit import spun_light
 from shrm.viewer.panel import Facts, Panel
+from shrm.viewer.relit import Choice
 from shrm.viewer.renderer import Renderer
-from shrm.viewer.scene import Scene
 from shrm.viewer.screen import Screen
 from shrm.viewer.screenshot import save_screenshot
-from shrm.viewer.state import UNTURNED, Method, State
+from shrm.viewer.shortcuts import ACTIONS, QUIET, WITH_CONTROL, keyed
+from shrm.viewer.state import State
 from shrm.viewer.widgets import WIDTH
 from shrm.viewer.window import Controls, listen, open_window
 from shrm.viewer.worker import Worker
 
 TITLE = "shrm: environment maps in frequency space"
 STATE_FILE = "shrm-view.json"
-METHODS = get_args(Method)
-
-Faults = (OSError, ValueError, TypeError, RuntimeError, MemoryError)
 
 
 class Application:
@@ -61,6 +57,8 @@ class Application:
         What is drawn.
     fault : str
         The line that the panel shows in red.
+    clock : callable
+        The seconds by which light turns by itself.
 
     Raises
     ------
@@ -84,9 +82,9 @@ class Application:
         self.context = open_window(width, height, TITLE, visible)
         self.window = self.context.window
         self.renderer = Renderer(16, context=self.context)
-        self.filtered = FilteredMaterials(self.context)
         self.panel_shown, self.keys_shown = True, False
         self.screen = Screen(self.context.gl, *(max(1, side) for side in self._picture_extent()))
+        self.drawing = Drawing(self.renderer, self.screen)
         self.controls = Controls(self.window)
         self.panel = Panel()
         self.lighting: Worker[Request, Prefiltered] = Worker(Lighting(), glfw.post_empty_event)
@@ -94,10 +92,11 @@ class Application:
         self.result: Prefiltered | None = None
         self.fault = self.said = self.refused = ""
         self._asked: Request | None = None
-        self._drawn: tuple[object, ...] = ()
         self._expose = self._fit = False
         self._keep_eye = True  # a state that was read says where from its objects are seen
         self._frame_seconds = 0.0
+        self.clock: Callable[[], float] = time.perf_counter
+        self._turned_at: float | None = None  # by the clock, while the light turns by itself
         self._cursor = (0.0, 0.0)
         self._drag: Drag | None = None
         self._lively = 3  # frames to be drawn though nothing happens: the panel needs some to settle
@@ -118,7 +117,7 @@ class Application:
             self._lively = max(0, self._lively - 1)
             visible = min(self._picture_extent()) > 0
             sampling = visible and self.result is not None and not self.screen.complete
-            if self._lively or sampling:
+            if self._lively or sampling or self.state.turning:
                 glfw.poll_events()
             else:  # until something happens, or a worker has something
                 over_panel = self.controls.io.want_capture_mouse  # whose explanations come after a while
@@ -133,6 +132,7 @@ class Application:
         """Draw a frame that is not shown yet."""
         self.context.activate()
         self._take()
+        self._turn()
         start = time.perf_counter()
         sampled = self._draw_picture()
         self._draw_controls()
@@ -152,16 +152,27 @@ class Application:
         self.context.activate()
         self.controls.close()
         self.screen.release()
-        self.filtered.release()
+        self.drawing.filtered.release()
         self.renderer.release()
         self.context.release()
 
     def _ask(self) -> None:
         """Ask for maps if the state wants others than those asked for last."""
-        request = Request.of(self.state)
-        if request != self._asked:
-            self._asked = request
-            self.lighting.submit(request)
+        request, asked = Request.of(self.state), self._asked
+        if request == asked:
+            return
+        light_only = asked is not None and request == replace(asked, light=request.light)
+        if light_only and self.state.turning and self.lighting.working:
+            return  # light that turns by itself must not outrun its maps: these are drawn first
+        self._asked = request
+        self.lighting.submit(request)
+
+    def _turn(self) -> None:
+        """Turn the light on by the time that has passed since the last frame, if it turns by itself."""
+        now = self.clock() if self.state.turning else None
+        if now is not None and self._turned_at is not None:
+            self.state = self.state.with_light(spun_light(self.state.R, now - self._turned_at))
+        self._turned_at = now
 
     def _take(self) -> None:
         """Take newer maps, or the fault that there is instead."""
@@ -170,17 +181,17 @@ class Application:
         except Faults as fault:
             if self.result is None:
                 raise
-            self._say_fault(fault)
+            self._say_fault(one_line(fault))
             self._refuse(self.result.request)
             return
         if result is None:
             return
         last, self.result = self.result, result
-        if last is None or _source(last) != _source(result):
+        if last is None or last.source != result.source:
             self.fault = self.refused = ""
             self._expose = not self._keep_eye or self.state.eye is None  # a state that was read says it
         self._lively = 3
-        if last is None or _placing(last) != _placing(result):
+        if last is None or last.placing != result.placing:
             self._fit = not self._keep_eye
         if result.request == self._asked:
             self._keep_eye = False
@@ -204,48 +215,17 @@ class Application:
         width, height = self._picture_extent()
         if result is None or width < 1 or height < 1:
             return False
-        self.screen.resize(width, height)
-        eye = self.state.eye
-        if self._fit or eye is None:
-            eye = (eye or Orbit()).fitted([bounds(shape) for shape in result.shapes], width / height)
-            self.state, self._fit = replace(self.state, eye=eye), False
-        background = result.environment if self.state.background else None
-        request = result.request
-        seen = (result.drawn, request.method, request.light, result.shapes)
-        decides = (*seen, eye, self.state.viewer, width, height, background)
-        if decides != self._drawn:
-            self._drawn, self.screen.samples = decides, 0
-        sampled = not self.screen.complete
-        if sampled:
-            try:
-                materials = self.filtered.drawn_with(result)
-            except Faults as fault:
-                materials = result.drawn
-                self._say_fault(fault)
-                self._set(method="shrm")
-            scene = Scene(
-                [Object(*pair) for pair in zip(result.shapes, materials, strict=True)],
-                eye.camera,
-                background,
-                self.state.viewer,
-                replace(self.state, light=request.light).R,
-            )
-            try:
-                self.renderer.draw(scene, self.screen.drawn, self.screen.shift)
-            except ValueError as fault:  # more maps than textures have layers
-                if self.state.viewer == "distant":
-                    raise
-                self._say_fault(fault)
-                self._set(viewer="distant")
-            self.renderer.resources.end_frame()
-            self.screen.add_sample()
+        self.state = self.drawing.sample(result, self.state, (width, height), self._fit)
+        self._fit = False
+        if self.drawing.fault:
+            self._say_fault(self.drawing.fault)
         self._show(result, (width, height))
         if self._expose and self.state.automatic:
             picture = self.screen.drawn_picture()
             stops = automatic_exposure(picture.radiance, picture.coverage)
             self.state = replace(self.state, exposure=round(stops, 2))
         self._expose = False
-        return sampled
+        return self.drawing.sampled
 
     def _draw_controls(self) -> None:
         width, height = glfw.get_window_size(self.window)
@@ -260,6 +240,7 @@ class Application:
                 self.said,
                 self.refused,
                 "" if self.state.shown == "maps" else self.comparison.says,
+                self.drawing.relit.seconds,
             )
             before = self.state
             self.state, actions = self.panel.draw(self.state, facts, height)
@@ -274,24 +255,15 @@ class Application:
             self.act(action)
 
     def _show(self, result: Prefiltered, extent: tuple[int, int]) -> None:
-        """Choose what is shown of what was drawn."""
-        if self.state.shown == "maps" or self.state.eye is None:
+        """Choose what is shown of what was drawn; of objects with transfer there is no integral."""
+        if self.state.shown == "maps" or self.state.eye is None or result.transferred is not None:
             self.screen.show_drawn()
             return
-        request, camera = result.request, self.state.eye.camera
-        question = Question(
-            result.environment,
-            request.light,
-            request.materials,
-            result.shapes,
-            camera,
-            self.state.viewer,
-            *extent,
-        )
+        question = question_of(result, self.state.eye.camera, self.state.viewer, extent)
         try:
-            self.comparison.show(question, self.state.shown == "difference", self.screen, self._drawn)
+            self.comparison.show(question, self.state.shown == "difference", self.screen, self.drawing.seen)
         except Faults as fault:
-            self._say_fault(fault)
+            self._say_fault(one_line(fault))
             self._set(shown="maps")
             self.screen.show_drawn()
 
@@ -328,27 +300,12 @@ class Application:
         self.controls.on_key(key, scancode, action, mods)
         if action != glfw.PRESS or self.controls.io.want_text_input:
             return
-        if mods & glfw.MOD_CONTROL:
-            commands: dict[int, Action] = {glfw.KEY_S: "save", glfw.KEY_O: "open"}
-            if key in commands:
-                self.act(commands[key])
-            return
-        named: dict[int, Callable[[], None]] = {
-            glfw.KEY_ESCAPE: lambda: setattr(self, "keys_shown", False),
-            glfw.KEY_Q: self.quit,
-            glfw.KEY_F: lambda: self.act("fit"),
-            glfw.KEY_S: lambda: self.act("screenshot"),
-            glfw.KEY_TAB: lambda: setattr(self, "panel_shown", not self.panel_shown),
-            glfw.KEY_R: lambda: self._set(light=UNTURNED),
-            glfw.KEY_B: lambda: self._set(background=not self.state.background),
-            glfw.KEY_E: self._expose_always,
-            glfw.KEY_M: self._next_method,
-            glfw.KEY_1: lambda: self._set(shown="maps"),
-            glfw.KEY_2: lambda: self._set(shown="integration"),
-            glfw.KEY_3: lambda: self._set(shown="difference"),
-        }
-        if key in named:
-            named[key]()
+        control = bool(mods & glfw.MOD_CONTROL)
+        wanted = (WITH_CONTROL if control else ACTIONS).get(key)
+        if wanted is not None:
+            self.act(wanted)
+        elif not control:
+            self.state = keyed(self.state, key, self._choice())
 
     def on_char(self, char: int) -> None:
         """A character was typed."""
@@ -362,13 +319,10 @@ class Application:
         self._lively = 3
         self.fault = self.said = ""
         for path in paths:
-            suffix = Path(path).suffix.lower()
-            if suffix in MESHES:
-                self._set(mesh=path)
-            elif suffix == ".json":
+            if Path(path).suffix.lower() == ".json":
                 self._open(path)
             else:
-                self._set(environment=path, layout=None)
+                self.state = with_file(self.state, path)
 
     def on_resize(self, width: int, height: int) -> None:
         """The window has another size: the next frame has it too."""
@@ -376,21 +330,23 @@ class Application:
 
     def act(self, action: Action) -> None:
         """Do what a key or a button asks for."""
-        self.fault = self.said = ""
+        does: dict[Action, Callable[[], None]] = {
+            "fit": lambda: setattr(self, "_fit", True),
+            "help": lambda: setattr(self, "keys_shown", not self.keys_shown),
+            "close help": lambda: setattr(self, "keys_shown", False),
+            "panel": lambda: setattr(self, "panel_shown", not self.panel_shown),
+            "expose": self._expose_always,
+            "screenshot": self._save_picture,
+            "save": self._save,
+            "open": lambda: self._open(self.state_file),
+            "quit": self.quit,
+        }
+        if action not in QUIET:
+            self.fault = self.said = ""
         try:
-            if action == "fit":
-                self._fit = True
-            elif action == "help":
-                self.keys_shown = not self.keys_shown
-            elif action == "screenshot":
-                self._save_picture()
-            elif action == "save":
-                self.state.save(self.state_file)
-                self.said = f"saved {self.state_file}"
-            elif action == "open":
-                self._open(self.state_file)
+            does[action]()
         except Faults as fault:
-            self._say_fault(fault)
+            self._say_fault(one_line(fault))
 
     def quit(self) -> None:
         """Close the window after this frame."""
@@ -401,8 +357,10 @@ class Application:
     def _set(self, **changes: Any) -> None:
         self.state = replace(self.state, **changes)
 
-    def _next_method(self) -> None:
-        self._set(method=METHODS[(METHODS.index(self.state.method) + 1) % len(METHODS)])
+    def _choice(self) -> Choice | None:
+        """What is used of the object with transfer that is drawn, if one is."""
+        drawn = None if self.result is None else self.result.transferred
+        return None if drawn is None else Choice.of(self.state, drawn.transfer)
 
     def _expose_always(self) -> None:
         self._set(automatic=True)
@@ -412,9 +370,13 @@ class Application:
         try:
             state = State.load(path)
         except Faults as fault:
-            self._say_fault(fault)
+            self._say_fault(one_line(fault))
             return
         self.state, self.said, self._keep_eye = state, f"opened {path}", True
+
+    def _save(self) -> None:
+        self.state.save(self.state_file)
+        self.said = f"saved {self.state_file}"
 
     def _save_picture(self) -> None:
         if self.result is None:
@@ -423,8 +385,8 @@ class Application:
         png = save_screenshot(self.folder, self.screen.picture(), self.state.exposure, alpha)
         self.said = f"saved {png} and .exr"
 
-    def _say_fault(self, fault: BaseException) -> None:
-        self.said, self.fault = "", one_line(fault)
+    def _say_fault(self, line: str) -> None:
+        self.said, self.fault = "", line
 
     def _over_picture(self) -> bool:
         over_panel = self.panel_shown and self._cursor[0] < WIDTH
@@ -437,13 +399,3 @@ class Application:
     def _picture_extent(self) -> tuple[int, int]:
         width, height = glfw.get_framebuffer_size(self.window)
         return width - self._panel_pixels(), height
-
-
-def _placing(result: Prefiltered) -> tuple[object, ...]:
-    """What the positions of the objects depend on."""
-    return result.request.mesh, result.request.up, len(result.shapes)
-
-
-def _source(result: Prefiltered) -> tuple[object, ...]:
-    """What the exposure depends on."""
-    return result.environment, result.request.materials, result.shapes

@@ -11,20 +11,21 @@ from shrm.viewer.scene import Viewer
 from shrm.viewer.screen import AMPLIFIED
 from shrm.viewer.state import Method, Shown
 
-MESHES = (".ply", ".obj", ".glb", ".gltf", ".stl", ".off")
-
 KEYS = (
     ("left drag", "orbit around the objects"),
     ("right drag", "turn the light (its coefficients are rotated)"),
     ("middle drag, Shift + left drag", "pan"),
     ("wheel", "zoom"),
-    ("drop a file", "environment picture, mesh, or saved window (.json)"),
+    ("drop a file", "environment picture, mesh, object with transfer, or saved window (.json)"),
     ("F", "fit the objects into the picture"),
     ("R", "turn the light back"),
+    ("T", "the light turns by itself, or stops"),
     ("E", "find the exposure from the picture"),
     ("B", "environment behind the objects on or off"),
     ("M", "next method: SHRM, round lobes, 12 views, GPU"),
     ("1  2  3", "show maps, integral, difference"),
+    ("H", "shadows on or off, of an object with transfer"),
+    ("I", "light between its parts (interreflection) on or off"),
     ("Tab", "panel on or off"),
     ("S", "screenshot: .png as shown, .exr linear"),
     ("Ctrl + S, Ctrl + O", "save the window's state, open it again"),
@@ -33,7 +34,9 @@ KEYS = (
     ("Q", "quit"),
 )
 
-Action = Literal["fit", "screenshot", "save", "open", "help"]
+BY_PATH = "type its path and Enter, or drop it here."
+
+Action = Literal["fit", "screenshot", "save", "open", "help", "close help", "panel", "expose", "quit"]
 
 BUTTONS: tuple[tuple[Action, str, str], ...] = (
     ("fit", "Fit (F)", "All objects into the picture."),
@@ -97,6 +100,11 @@ VIEWERS: tuple[tuple[Viewer, str, str], ...] = (
         "(Ramamoorthi & Hanrahan, equations 6 and 7)",
     ),
 )
+DISTANCES: tuple[tuple[Viewer, str, str], ...] = (
+    ("distant", "distant", "All vertices are seen along one direction: right for an eye that is far away."),
+    ("near", "near", "For perspective: each vertex is seen along a direction of its own."),
+)
+"""Viewers of objects with transfer."""
 SHOWN: tuple[tuple[Shown, str, str], ...] = (
     ("maps", "maps", "The picture from the maps. (Key 1)"),
     (

@@ -6,10 +6,21 @@ from collections.abc import Callable
 
 import numpy as np
 
+from shrm.render.camera import Camera
 from shrm.render.picture import Picture
 from shrm.viewer.integration import COARSENESS, Integrated, Integration, Question
+from shrm.viewer.lighting import Prefiltered
+from shrm.viewer.scene import Viewer
 from shrm.viewer.screen import Screen
 from shrm.viewer.worker import Worker
+
+
+def question_of(result: Prefiltered, camera: Camera, viewer: Viewer, extent: tuple[int, int]) -> Question:
+    """Return the question for the picture, so many pixels wide and high, of what was prefiltered."""
+    request = result.request
+    return Question(
+        result.environment, request.light, request.materials, result.shapes, camera, viewer, *extent
+    )
 
 
 class Comparison:

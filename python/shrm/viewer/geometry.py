@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 import moderngl
 import numpy as np
+import numpy.typing as npt
 
 from shrm.render.camera import Camera, FloatArray
 from shrm.render.mesh import Mesh
 from shrm.render.shapes import Shape, Sphere
+from shrm.render.vertex_radiance import VertexRadiance
 from shrm.viewer.programs import Surface
 
 # A cube of side 2, seen from inside: its far side is drawn.
@@ -34,7 +36,6 @@ class Geometry:
     """
 
     def __init__(self, gl: moderngl.Context, shape: Shape) -> None:
-        self._gl = gl
         self.surface: Surface = "sphere"
         self.sphere: tuple[float, ...] | None = None
         vertices: FloatArray
@@ -42,38 +43,88 @@ class Geometry:
             self.surface = "mesh" if shape.tangents is None else "tangent_mesh"
             uv = np.zeros((len(shape.vertices), 2)) if shape.uv is None else shape.uv
             vertices, faces = np.concatenate([shape.vertices, shape.vertex_normals, uv], axis=1), shape.faces
-            self._attributes = {"position": 3, "normal": 3, "uv": 2}
+            attributes = {"position": 3, "normal": 3, "uv": 2}
             if shape.tangents is not None:  # each corner of a face has its own: none are shared
                 vertices = np.concatenate([vertices[faces], shape.tangents], axis=2)
                 faces = np.arange(faces.size)
-                self._attributes["tangent"] = 3
+                attributes["tangent"] = 3
         else:
             assert isinstance(shape, Sphere)
             vertices, faces = BOX, BOX_FACES
-            self._attributes = {"position": 3}
+            attributes = {"position": 3}
             self.sphere = (*shape.center, shape.radius)
-        self._vertices = gl.buffer(vertices.astype(np.float32).tobytes())
-        self._faces = gl.buffer(faces.astype(np.int32).tobytes())
-        self._arrays: dict[int, moderngl.VertexArray] = {}
+        self._arrays = VertexArrays(gl, faces)
+        self._arrays.add(vertices, attributes)
 
     def draw(self, program: moderngl.Program) -> None:
         """Draw with a program, whose uniforms are set."""
-        if program.glo not in self._arrays:
-            # A program may have no use for some of them.
-            used = [name for name in self._attributes if name in program]
-            layout = " ".join(
-                f"{n}f" if name in used else f"{4 * n}x" for name, n in self._attributes.items()
-            )
-            content = [(self._vertices, layout, *used)]
-            self._arrays[program.glo] = self._gl.vertex_array(program, content, self._faces)
-        self._arrays[program.glo].render()
+        self._arrays.draw(program)
 
     def release(self) -> None:
         """Free what it holds on the GPU."""
-        for array in self._arrays.values():
+        self._arrays.release()
+
+
+class RadiantGeometry:
+    """A mesh on the GPU whose vertices have radiance, which is renewed from frame to frame."""
+
+    def __init__(self, gl: moderngl.Context, mesh: Mesh) -> None:
+        uv = np.zeros((len(mesh.vertices), 2)) if mesh.uv is None else mesh.uv
+        self._arrays = VertexArrays(gl, mesh.faces)
+        self._arrays.add(np.concatenate([mesh.vertices, uv], axis=1), {"position": 3, "uv": 2})
+        self._radiance = self._arrays.add(np.zeros_like(mesh.vertices), {"radiance": 3})
+        self._taken: VertexRadiance | None = None
+
+    def take(self, radiance: VertexRadiance) -> None:
+        """Put radiance (V, 3) where that of the last frame was, if it is another."""
+        if radiance is self._taken:
+            return
+        self._radiance.orphan()  # the driver need not wait until the last frame is drawn
+        self._radiance.write(np.ascontiguousarray(radiance.values))
+        self._taken = radiance
+
+    def draw(self, program: moderngl.Program) -> None:
+        """Draw with a program, whose uniforms are set."""
+        self._arrays.draw(program)
+
+    def release(self) -> None:
+        """Free what it holds on the GPU."""
+        self._arrays.release()
+
+
+class VertexArrays:
+    """Attributes of vertices on the GPU, and the faces between them, for any program."""
+
+    def __init__(self, gl: moderngl.Context, faces: npt.NDArray[np.integer]) -> None:
+        self._gl = gl
+        self._faces = gl.buffer(faces.astype(np.int32).tobytes())
+        self._buffers: list[tuple[moderngl.Buffer, dict[str, int]]] = []
+        self._made: dict[int, moderngl.VertexArray] = {}
+
+    def add(self, values: FloatArray, attributes: dict[str, int]) -> moderngl.Buffer:
+        """Upload what vertices have, as float32: attributes by name, with how many numbers each has."""
+        buffer = self._gl.buffer(values.astype(np.float32).tobytes())
+        self._buffers.append((buffer, attributes))
+        return buffer
+
+    def draw(self, program: moderngl.Program) -> None:
+        """Draw with a program, whose uniforms are set."""
+        if program.glo not in self._made:
+            # A program may have no use for some of them.
+            content = []
+            for buffer, attributes in self._buffers:
+                used = [name for name in attributes if name in program]
+                layout = " ".join(f"{n}f" if name in used else f"{4 * n}x" for name, n in attributes.items())
+                content.append((buffer, layout, *used))
+            self._made[program.glo] = self._gl.vertex_array(program, content, self._faces)
+        self._made[program.glo].render()
+
+    def release(self) -> None:
+        """Free what it holds on the GPU."""
+        for array in self._made.values():
             array.release()
-        self._vertices.release()
-        self._faces.release()
+        for buffer in (self._faces, *(buffer for buffer, _ in self._buffers)):
+            buffer.release()
 
 
 def bounds(shape: Shape) -> tuple[FloatArray, float]:

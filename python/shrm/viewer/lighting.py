@@ -27,7 +27,8 @@ from shrm.render.mesh import Mesh
 from shrm.render.row import row_camera
 from shrm.render.shapes import Shape, Sphere
 from shrm.render.tangents import Tangents
-from shrm.viewer.state import Method, Rows, State, Up
+from shrm.render.transferred import TransferredMesh, load
+from shrm.viewer.state import UNTURNED, Method, Rows, State, Up
 from shrm.viewer.worker import StaleError
 
 Drawn = ReflectionMap | Layered
@@ -54,7 +55,7 @@ SIZES = ((12, 32), (30, 64), (70, 128), (1000, 256))
 
 @dataclass(frozen=True)
 class Request:
-    """What of a `State` decides the maps."""
+    """What of a `State` decides the maps and the objects."""
 
     environment: str
     layout: str | None
@@ -67,11 +68,13 @@ class Request:
     orders: tuple[int, int] | None
     method: Method
     light: Rows
+    transfer: str | None
 
     @classmethod
     def of(cls, state: State) -> Request:
-        """Return what a state asks for."""
-        return cls(**{item.name: getattr(state, item.name) for item in fields(cls)})
+        """Return what a state asks for. An object with transfer is lit where it is drawn, under any light."""
+        wanted = cls(**{item.name: getattr(state, item.name) for item in fields(cls)})
+        return wanted if state.transfer is None else replace(wanted, light=UNTURNED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +98,8 @@ class Prefiltered:
         Predicted for each material; None while they are not known.
     notes : tuple of str
         What was changed of the files as they were read.
+    transferred : TransferredMesh, optional
+        An object with transfer, the only one, without any maps.
     """
 
     request: Request
@@ -105,6 +110,17 @@ class Prefiltered:
     seconds: float
     errors: tuple[float, ...] | None
     notes: tuple[str, ...]
+    transferred: TransferredMesh | None = None
+
+    @property
+    def placing(self) -> tuple[object, ...]:
+        """What the positions of the objects depend on."""
+        return self.request.mesh, self.request.up, self.request.transfer, len(self.shapes)
+
+    @property
+    def source(self) -> tuple[object, ...]:
+        """What the exposure depends on."""
+        return self.environment, self.request.materials, self.shapes
 
 
 class Lighting:
@@ -116,9 +132,10 @@ class Lighting:
         self._tangent_mesh: tuple[tuple[Mesh, Tangents], Mesh] | None = None
         self._shapes: tuple[tuple[Mesh | None, int], tuple[Shape, ...]] | None = None
         self._objects: list[_Lit] = []
+        self._transferred: tuple[str, TransferredMesh] | None = None
 
     def __call__(self, request: Request, stale: Callable[[], bool]) -> Iterator[Prefiltered]:
-        """Yield the maps, then the same with the errors predicted.
+        """Yield the maps, then the same with the errors predicted; or an object with transfer.
 
         Raises
         ------
@@ -127,6 +144,11 @@ class Lighting:
         StaleError
             If there is a newer request.
         """
+        if request.transfer is not None:
+            environment, notes = self._read_environment(request)
+            thing = self._open_transfer(request.transfer)
+            yield Prefiltered(request, environment, (thing.mesh,), (), (), 0.0, (), notes, thing)
+            return
         # A wrong one is a fault before anything is changed.
         lobes = [lobe for text in request.materials for lobe in brdf.parse(text).lobes]
         tangents = request.tangents if any(lobe.center == "tangent" for lobe in lobes) else "axis"
@@ -167,6 +189,11 @@ class Lighting:
             notes = tuple(dict.fromkeys(" ".join(str(item.message).split()) for item in caught))
             self._environment = key, environment, notes
         return self._environment[1:]
+
+    def _open_transfer(self, path: str) -> TransferredMesh:
+        if self._transferred is None or self._transferred[0] != path:
+            self._transferred = path, TransferredMesh.placed(load(path))
+        return self._transferred[1]
 
     def _row(self, request: Request, tangents: Tangents) -> tuple[Shape, ...]:
         """Stand the objects in a row; the same ones as long as mesh, tangents and number are the same."""

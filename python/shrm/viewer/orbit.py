@@ -9,8 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shrm.render.camera import Camera, FloatArray, Vector
+from shrm.render.placement import about_vertical
 
 DEGREES_PER_PIXEL = 0.4
+DEGREES_PER_SECOND = 30.0  # of light that turns by itself
 ZOOM = 0.88  # of the distance, for one step of the wheel
 STEEPEST = 89.0  # degrees: beyond it the picture's up would flip
 NEAREST, FARTHEST = 1e-4, 1e6
@@ -129,9 +131,19 @@ def turned_light(rotation: FloatArray, dx: float, dy: float, camera: Camera) -> 
         A rotation again, whatever the number of drags.
     """
     # What is behind the objects moves to the right as the light turns clockwise, seen from above.
-    about_z = _about(np.array([0.0, 0.0, 1.0]), math.radians(-DEGREES_PER_PIXEL * dx))
+    about_z = about_vertical(-DEGREES_PER_PIXEL * dx)
     about_right = _about(camera.axes[0], math.radians(-DEGREES_PER_PIXEL * dy))
-    u, _, vt = np.linalg.svd(about_right @ about_z @ rotation)
+    return _orthogonal(about_right @ about_z @ rotation)
+
+
+def spun_light(rotation: FloatArray, seconds: float) -> FloatArray:
+    """Return the light's rotation (3, 3) after it has turned about the vertical by itself for some time."""
+    return _orthogonal(about_vertical(DEGREES_PER_SECOND * seconds) @ rotation)
+
+
+def _orthogonal(matrix: FloatArray) -> FloatArray:
+    """The rotation next to a matrix that is one but for rounding."""
+    u, _, vt = np.linalg.svd(matrix)
     return np.asarray(u @ vt)
 
 

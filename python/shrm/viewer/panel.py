@@ -7,33 +7,27 @@ from pathlib import Path
 
 from slimgui import imgui
 
-from shrm import brdf
 from shrm.layouts import LAYOUTS
 from shrm.reflection_map import ReflectionMap
 from shrm.viewer.choices import (
     BUTTONS,
-    MESHES,
+    BY_PATH,
     METHODS,
-    NAMED,
     OF_LIGHT,
     OF_VIEW,
     SHOWN,
-    TANGENTS,
     VIEWERS,
     Action,
 )
 from shrm.viewer.lighting import DAYLIGHT, F_MAX, P_MAX, Prefiltered
-from shrm.viewer.materials import KINDS, exchanged, kind_of, value_of, with_value
+from shrm.viewer.object_panel import draw_objects
+from shrm.viewer.opening import absolute, with_file
 from shrm.viewer.state import UNTURNED, State
-from shrm.viewer.widgets import WIDTH, disabled, explain, wrapped
+from shrm.viewer.transfer_panel import draw_transfer
+from shrm.viewer.widgets import GREY, RED, WIDTH, YELLOW, Widgets, disabled, explain, wrapped
 
-SPHERE = "sphere"
 RECOGNISED = "as recognised"
-BY_PATH = "type its path and Enter, or drop it here."
-MOST_OBJECTS = 8
 MOST_CHARACTERS = 78  # of a message: two lines
-
-RED, YELLOW, GREY = (1.0, 0.35, 0.3, 1.0), (1.0, 0.8, 0.3, 1.0), (0.62, 0.64, 0.68, 1.0)
 
 SEE_THROUGH = (0.4, 0.65, 1.0, 0.45)  # the handles of sliders, which stand on what they say
 
@@ -56,6 +50,8 @@ class Facts:
         A picture that could not be read as it was meant to be; empty if there is none.
     integrated : str
         How far the integration is; empty if none is asked for.
+    lighting_seconds : float
+        What lighting the vertices of an object with transfer took.
     """
 
     result: Prefiltered | None
@@ -65,6 +61,7 @@ class Facts:
     said: str
     refused: str
     integrated: str
+    lighting_seconds: float
 
 
 class Panel:
@@ -72,12 +69,12 @@ class Panel:
 
     Attributes
     ----------
-    places : dict of str to (x, y, x, y)
-        Corners of each control of the last frame, in the window's units.
+    widgets : Widgets
+        Where its controls are.
     """
 
     def __init__(self) -> None:
-        self.places: dict[str, tuple[float, float, float, float]] = {}
+        self.widgets = Widgets()
         imgui.style_colors_dark()
         style = imgui.get_style()
         style.font_scale_main = 1.15
@@ -86,7 +83,7 @@ class Panel:
 
     def draw(self, state: State, facts: Facts, height: float) -> tuple[State, list[Action]]:
         """Draw it along the left side of a window; return the state as changed, and what was asked for."""
-        self.places.clear()
+        self.widgets.places.clear()
         actions: list[Action] = []
         flags = imgui.WindowFlags
         imgui.set_next_window_pos((0.0, 0.0))
@@ -97,15 +94,18 @@ class Panel:
         imgui.push_style_color(imgui.Col.SLIDER_GRAB, SEE_THROUGH)
         self._messages(state, facts)
         state = self._light(state, facts.refused)
-        state = self._objects(state, facts)
-        state = self._accuracy(state, facts)
-        state = self._method(state, facts)
+        if state.transfer is None:
+            state = draw_objects(self.widgets, state, facts.result)
+            state = self._accuracy(state, facts)
+            state = self._method(state, facts)
+        else:
+            state = draw_transfer(self.widgets, state, facts.result)
         state = self._picture(state, actions)
         self._times(facts)
         imgui.separator_text("Mouse, over the picture")
         imgui.text_colored(GREY, "left: orbit   right: turn the light")
         imgui.text_colored(GREY, "middle: pan   wheel: zoom")
-        if self._button("All keys (?)"):
+        if self.widgets.button("All keys (?)"):
             actions.append("help")
         imgui.pop_style_color()
         imgui.pop_item_width()
@@ -118,7 +118,7 @@ class Panel:
         """Say the most important thing in a place that is always as high: nothing below it moves."""
         notes = () if facts.result is None else facts.result.notes
         top, color = imgui.get_cursor_pos_y(), GREY
-        text = "Drop a picture (.hdr, .exr, .png) or a mesh (.ply, .obj, .glb, .stl) here."
+        text = "Drop a mesh (.ply, .obj, .glb, .stl), a .shrt,\nor a picture (.hdr, .exr, .png) here."
         reading = facts.result is not None and facts.result.request.environment != state.environment
         coming = f"reading {Path(state.environment).name} ..." if reading and facts.working else ""
         said = ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault), (GREY, coming))
@@ -132,134 +132,51 @@ class Panel:
         imgui.separator_text("Light")
         shown = state.environment if state.environment == DAYLIGHT else Path(state.environment).name
         meaning = f"{state.environment}\n'{DAYLIGHT}', or a picture: {BY_PATH}"
-        typed = self._entered("environment", shown, meaning)
+        typed = self.widgets.entered("environment", shown, meaning)
         if typed is not None:
-            path = typed if typed == DAYLIGHT else _absolute(typed)
-            if Path(path).suffix.lower() in MESHES:
-                state = replace(state, mesh=path)
+            if typed == DAYLIGHT:
+                state = replace(state, environment=DAYLIGHT, layout=None)
             else:
-                state = replace(state, environment=path, layout=None)
+                state = with_file(state, absolute(typed))
         source = refused or state.environment  # what is said of it can make a picture that was refused good
         whose = "Of pictures: " if source == DAYLIGHT else f"Of {Path(source).name}: "
         with disabled(source == DAYLIGHT):
             known = [RECOGNISED, *LAYOUTS]
             current = RECOGNISED if refused else state.layout or RECOGNISED
             changed, chosen = imgui.combo("layout", known.index(current), known)
-            self._place("layout")
+            self.widgets.place("layout")
             explain(
                 f"{whose}how it unrolls the sphere: lat-long, cross or strip of a cube's faces, mirror ball, "
                 "probe and others. Choose one where the picture's shape does not tell."
             )
             if changed:
                 state = replace(state, environment=source, layout=known[chosen] if chosen else None)
-        if self._button("Daylight", "An analytic sky with its sun, in place of a picture."):
+        if self.widgets.button("Daylight", "An analytic sky with its sun, in place of a picture."):
             state = replace(state, environment=DAYLIGHT, layout=None)
         imgui.same_line()
         with disabled(state.light == UNTURNED):
-            if self._button(
+            if self.widgets.button(
                 "Turn light back (R)",
                 "Turn the light back to where its picture has it. Dragging with the right button turns it.",
             ):
                 state = replace(state, light=UNTURNED)
         imgui.same_line()
-        changed, repair = imgui.checkbox("repair", state.repair)
-        self._place("repair")
-        explain(f"{whose}replace texels that are not finite by their neighbours; otherwise it is refused.")
-        return replace(state, environment=source, repair=repair) if changed else state
-
-    def _objects(self, state: State, facts: Facts) -> State:
-        count = len(state.materials)
-        imgui.separator_text("Object" if count == 1 else f"Object {state.selected + 1} of {count}")
-        if count > 1:
-            for index in range(count):
-                if index:
-                    imgui.same_line()
-                if imgui.radio_button(f"{index + 1}##object", index == state.selected):
-                    state = replace(state, selected=index)
-                self._place(f"object {index + 1}")
-                explain("Whose material this is; numbered from left to right, as they stand at first.")
-        state = self._material(state)
-        with disabled(count == MOST_OBJECTS):
-            if self._button(
-                "Add object", f"A copy beside it, with a material of its own; {MOST_OBJECTS} at most."
-            ):
-                text = state.materials[state.selected]
-                state = replace(state, materials=(*state.materials, text), selected=count)
-        imgui.same_line()
-        with disabled(count == 1):
-            if self._button("Remove", "Take the chosen object away."):
-                left = state.materials[: state.selected] + state.materials[state.selected + 1 :]
-                state = replace(state, materials=left, selected=min(state.selected, len(left) - 1))
-        imgui.same_line()
-        with disabled(state.mesh is None):
-            if self._button("Back to sphere", "All objects are spheres again."):
-                state = replace(state, mesh=None)
-        shown = SPHERE if state.mesh is None else Path(state.mesh).name
-        typed = self._entered(
-            "shape of all", shown, f"{state.mesh or SPHERE}\n'{SPHERE}', or a mesh file: {BY_PATH}"
-        )
-        if typed is not None:
-            state = replace(state, mesh=None if typed == SPHERE else _absolute(typed))
-        return self._tangents(state, facts)
-
-    def _tangents(self, state: State, facts: Facts) -> State:
-        """The mesh's tangent field, where a material depends on it, or one is chosen that may not be had."""
-        maps = () if facts.result is None else facts.result.maps
-        about_tangent = any(part.center == "tangent" for rm in maps for part in rm.parts)
-        if not about_tangent and (state.mesh is None or state.tangents == "axis"):
-            return state
-        fields, labels, meanings = zip(*TANGENTS, strict=True)
-        with disabled(state.mesh is None):
-            changed, chosen = imgui.combo("tangents", fields.index(state.tangents), labels)
-            self._place("tangents")
-            explain("\n".join(meanings))
-        return replace(state, tangents=fields[chosen]) if changed else state
-
-    def _material(self, state: State) -> State:
-        text = state.materials[state.selected]
-        try:
-            material = brdf.parse(text)
-        except (ValueError, OSError):  # it is said above, and the last good one comes back
-            return state
-        kind = kind_of(material)
-        names = list(KINDS)
-        labels = [KINDS[name].label for name in names] + ([] if kind else ["as in the text below"])
-        current = names.index(kind) if kind else len(names)
-        changed, chosen = imgui.combo("material", current, labels)
-        self._place("material")
-        explain("What the object is made of. Its parameters follow.")
-        if changed and chosen < len(names):
-            return state.with_material(state.selected, exchanged(material, KINDS[names[chosen]]))
-        for parameter in KINDS[kind].parameters if kind else ():
-            value = value_of(material, parameter)
-            if isinstance(value, tuple):
-                changed, new = imgui.color_edit3(parameter.label, value, imgui.ColorEditFlags.FLOAT)
-                value = new
-            else:
-                scale = imgui.SliderFlags.LOGARITHMIC if parameter.logarithmic else imgui.SliderFlags.NONE
-                changed, value = imgui.slider_float(
-                    parameter.label, value, parameter.low, parameter.high, "%.3g", scale
-                )
-            self._place(parameter.name)
-            explain(parameter.meaning)
-            if changed:
-                state = state.with_material(state.selected, with_value(material, parameter, value))
-        meaning = (
-            "The material in words, as the command takes it: a name and its "
-            "parameters, sums and multiples of "
-            f"such, as 0.5*lambert:0.8 + ggx:0.2. Enter takes it. Names: {NAMED}."
-        )
-        typed = self._entered("as text", text, meaning)
-        return state if typed is None else state.with_material(state.selected, typed)
+        repaired = f"{whose}replace texels that are not finite by their neighbours; otherwise it is refused."
+        if self.widgets.check("repair", "repair", state.repair, repaired):
+            state = replace(state, environment=source, repair=not state.repair)
+        meaning = "The light goes round the vertical, once in 12 seconds. (Key T)"
+        if self.widgets.check("turning", "turns by itself (T)", state.turning, meaning):
+            state = replace(state, turning=not state.turning)
+        return state
 
     def _accuracy(self, state: State, facts: Facts) -> State:
         imgui.separator_text("Accuracy")
-        if self._radio("by tolerance", state.orders is None):
+        if self.widgets.radio("by tolerance", state.orders is None):
             state = replace(state, orders=None)
         explain("F and P are chosen for each object, by the error that is wanted.")
         imgui.same_line()
         mine = None if facts.result is None else _of(facts.result.maps, state.selected)
-        if self._radio("orders F, P", state.orders is not None) and state.orders is None:
+        if self.widgets.radio("orders F, P", state.orders is not None) and state.orders is None:
             state = replace(state, orders=(12, 2) if mine is None else (mine.F, mine.P))
         explain("F and P as they are set, the same for all objects, whatever error they leave.")
         if state.orders is None:
@@ -267,7 +184,7 @@ class Panel:
             changed, percent = imgui.slider_float(
                 "tolerance", 100.0 * state.tolerance, 1.0, 50.0, "%.1f %%", flags
             )
-            self._place("tolerance")
+            self.widgets.place("tolerance")
             explain("Relative RMS error of the reflected light over all normals and views.")
             if changed:
                 state = replace(state, tolerance=round(percent / 100.0, 4))
@@ -303,11 +220,11 @@ class Panel:
         clamp = imgui.SliderFlags.CLAMP_ON_INPUT
         imgui.push_item_width(150.0)
         _, F = imgui.slider_int("F", F, 0, F_MAX, "%d", clamp)
-        self._place("F")
+        self.widgets.place("F")
         explain(OF_LIGHT)
         imgui.same_line()
         _, P = imgui.slider_int("P", P, 0, P_MAX, "%d", clamp)
-        self._place("P")
+        self.widgets.place("P")
         explain(OF_VIEW)
         imgui.pop_item_width()
         return state if state.orders == (F, P) else replace(state, orders=(F, P))
@@ -338,7 +255,7 @@ class Panel:
         names, labels, meanings = zip(*METHODS, strict=True)
         current = names.index(state.method)
         changed, chosen = imgui.combo("method", current, list(labels))
-        self._place("method")
+        self.widgets.place("method")
         explain(f"How the reflected light is approximated. {labels[current]}: {meanings[current]}")
         if changed:
             state = replace(state, method=names[chosen])
@@ -346,14 +263,14 @@ class Panel:
         imgui.text("viewer")
         for viewer, label, meaning in VIEWERS:
             imgui.same_line()
-            if self._radio(label, state.viewer == viewer):
+            if self.widgets.radio(label, state.viewer == viewer):
                 state = replace(state, viewer=viewer)
             explain(meaning)
         imgui.align_text_to_frame_padding()
         imgui.text("shown ")
         for shown, label, meaning in SHOWN:
             imgui.same_line()
-            if self._radio(label, state.shown == shown):
+            if self.widgets.radio(label, state.shown == shown):
                 state = replace(state, shown=shown)
             explain(meaning)
         imgui.text_colored(GREY, facts.integrated or " ")
@@ -362,25 +279,21 @@ class Panel:
     def _picture(self, state: State, actions: list[Action]) -> State:
         imgui.separator_text("Picture")
         changed, stops = imgui.slider_float("exposure", state.exposure, -12.0, 12.0, "%+.2f stops")
-        self._place("exposure")
+        self.widgets.place("exposure")
         explain("Twice as bright for each stop.")
         if changed:
             state = replace(state, exposure=stops, automatic=False)
-        changed, automatic = imgui.checkbox("auto (E)", state.automatic)
-        self._place("auto")
-        explain("Found from the picture when light, material or shape change; E finds it at any time.")
-        if changed:
-            state = replace(state, automatic=automatic)
+        found = "Found from the picture when light, material or shape change; E finds it at any time."
+        if self.widgets.check("auto", "auto (E)", state.automatic, found):
+            state = replace(state, automatic=not state.automatic)
         imgui.same_line()
-        changed, background = imgui.checkbox("background (B)", state.background)
-        self._place("background")
-        explain("Show the light itself behind the objects.")
-        if changed:
-            state = replace(state, background=background)
+        behind = "Show the light itself behind the objects."
+        if self.widgets.check("background", "background (B)", state.background, behind):
+            state = replace(state, background=not state.background)
         for index, (action, label, meaning) in enumerate(BUTTONS):
             if index:
                 imgui.same_line()
-            if self._button(label, meaning):
+            if self.widgets.button(label, meaning):
                 actions.append(action)
         return state
 
@@ -391,41 +304,18 @@ class Panel:
         rate = f" ({1.0 / drawing:.0f} frames/s)" if drawing > 0.0 else ""
         imgui.text(f"drawing      {1e3 * drawing:6.1f} ms{rate}")
         explain("The last frame, by OpenGL.")
-        imgui.text(f"prefiltering {1e3 * prefiltering:6.1f} ms{' (working ...)' if facts.working else ''}")
+        working = " (working ...)" if facts.working else ""
+        if facts.result is not None and facts.result.transferred is not None:
+            imgui.text(f"lighting     {1e3 * facts.lighting_seconds:6.1f} ms{working}")
+            explain("From the light's coefficients to radiance at all vertices, when one changed last.")
+            return
+        imgui.text(f"prefiltering {1e3 * prefiltering:6.1f} ms{working}")
         explain("From light and material to maps, for all objects, when one of them changed last.")
-
-    # ---- Controls whose places are kept
-
-    def _place(self, name: str) -> None:
-        self.places[name] = (*imgui.get_item_rect_min(), *imgui.get_item_rect_max())
-
-    def _entered(self, label: str, text: str, meaning: str) -> str | None:
-        """A line of text; return another one that was typed in its place, once Enter is pressed."""
-        flags = imgui.InputTextFlags
-        entered, typed = imgui.input_text(label, text, flags.ENTER_RETURNS_TRUE | flags.AUTO_SELECT_ALL)
-        self._place(label)
-        explain(meaning)
-        return typed.strip() or None if entered and typed != text else None
-
-    def _button(self, label: str, meaning: str = "") -> bool:
-        pressed = imgui.button(label)
-        self._place(label)
-        explain(meaning)
-        return pressed
-
-    def _radio(self, label: str, active: bool) -> bool:
-        pressed = imgui.radio_button(label, active)
-        self._place(label)
-        return pressed
 
 
 def _of(maps: tuple[ReflectionMap, ...], index: int) -> ReflectionMap | None:
     """The map of an object, if it is there yet."""
     return maps[index] if index < len(maps) else None
-
-
-def _absolute(path: str) -> str:
-    return str(Path(path).expanduser().absolute())
 
 
 def _shortened(text: str) -> str:

@@ -37,6 +37,13 @@ def object_program(gl: moderngl.Context, surface: Surface, maps: Maps) -> modern
     return program
 
 
+def vertex_radiance_program(gl: moderngl.Context) -> moderngl.Program:
+    """Return the program that draws a mesh with radiance at its vertices."""
+    return gl.program(
+        vertex_shader=source("vertex_radiance.vert"), fragment_shader=source("vertex_radiance.frag")
+    )
+
+
 def screen_program(gl: moderngl.Context, name: str) -> moderngl.Program:
     """Return a program that fills the picture: its fragments are those of `name`."""
     return gl.program(vertex_shader=source("screen.vert"), fragment_shader=source(name))

@@ -16,20 +16,30 @@ import numpy as np
 from shrm.prefiltered import Prefiltered, PrefilteredMap
 from shrm.reflection_map import ReflectionMap
 from shrm.render.camera import FloatArray
+from shrm.render.mesh import Mesh
 from shrm.render.picture import FloatPixels, Lighting, Object, Picture
+from shrm.render.vertex_radiance import VertexRadiance
 from shrm.rings import BORDER
 from shrm.validation import whole_number
 from shrm.viewer.context import Context, ContextError, leave_framebuffers, offscreen
 from shrm.viewer.environment_texture import EnvironmentTexture, largest_texture
-from shrm.viewer.geometry import Geometry, clip_from_world
+from shrm.viewer.geometry import Geometry, RadiantGeometry, clip_from_world
 from shrm.viewer.hardware_prefilter import HardwarePrefilter
 from shrm.viewer.maps import LayeredLobe, Lobe, LobeMaps, ParaboloidLobe, UploadedParaboloidLobe
 from shrm.viewer.paraboloid import ParaboloidMaps
-from shrm.viewer.programs import Maps, Surface, object_program, screen_program, set_uniforms
+from shrm.viewer.programs import (
+    Maps,
+    Surface,
+    object_program,
+    screen_program,
+    set_uniforms,
+    vertex_radiance_program,
+)
 from shrm.viewer.resources import Resources
 from shrm.viewer.scene import Scene
 
 Drawn = ReflectionMap | Prefiltered | ParaboloidMaps | HardwarePrefilter
+"""Maps that materials are drawn with."""
 
 SEAMLESS = 0x884F  # GL_TEXTURE_CUBE_MAP_SEAMLESS
 LARGEST = 16384
@@ -82,6 +92,7 @@ class Renderer:
         self.resources = Resources()
         self._programs: dict[tuple[Surface, Maps], moderngl.Program] = {}
         self._background = screen_program(gl, "background.frag")
+        self._vertex_radiance = vertex_radiance_program(gl)
         self._screen = gl.vertex_array(self._background, [])
         self._white = _texture(gl, np.ones((1, 1, 3), np.float32))
         self._target = gl.framebuffer(
@@ -136,7 +147,7 @@ class Renderer:
         self.context.activate()
         leave_framebuffers(self.gl)
         self.resources.release()
-        for program in (*self._programs.values(), self._background):
+        for program in (*self._programs.values(), self._background, self._vertex_radiance):
             program.release()
         for held in (self._screen, self._white, *self._target.color_attachments, self._target):
             held.release()
@@ -209,20 +220,20 @@ class Renderer:
     ) -> None:
         gl, get = self.gl, self.resources.get
         material = thing.material
+        if isinstance(material, VertexRadiance):
+            self._draw_vertices(index, thing, material, eye)
+            return
         if isinstance(material, PrefilteredMap):
             material = Prefiltered((material,))
         if not isinstance(material, Drawn):
             raise TypeError(
-                "a material must be a shrm.ReflectionMap, of shrm.prefiltered, or one of shrm.viewer's "
-                "HardwarePrefilter and ParaboloidMaps to be drawn by the GPU, got "
+                "a material must be a shrm.ReflectionMap, of shrm.prefiltered, a VertexRadiance, or one of "
+                "shrm.viewer's HardwarePrefilter and ParaboloidMaps to be drawn by the GPU, got "
                 f"{type(material).__name__}"
             )
         lobes = self._lobes(index, material)
         shape = get(("shape", index), thing.shape, lambda shape: Geometry(gl, shape))
-        picture = self._white
-        if thing.texture is not None:
-            picture = get(("texture", index), thing.texture, lambda pixels: _texture(gl, pixels))
-        picture.use(2)
+        self._texture_of(index, thing).use(2)
         program = self._program(shape, lobes[0].distant if eye["distant"] else lobes[0].near)
         set_uniforms(
             program,
@@ -251,6 +262,25 @@ class Renderer:
         gl.disable(moderngl.BLEND)
         gl.depth_func = "<"
         target.depth_mask = True
+
+    def _draw_vertices(
+        self, index: int, thing: Object, material: VertexRadiance, eye: dict[str, Any]
+    ) -> None:
+        """Draw a mesh, both sides of it, with radiance that its vertices have."""
+        gl, mesh = self.gl, thing.shape
+        assert isinstance(mesh, Mesh)  # an object's radiance is at its vertices
+        shape = self.resources.get(("radiant", index), mesh, lambda mesh: RadiantGeometry(gl, mesh))
+        shape.take(material)
+        self._texture_of(index, thing).use(2)
+        set_uniforms(self._vertex_radiance, clip_from_world=eye["clip_from_world"], picture=2)
+        gl.disable(moderngl.CULL_FACE)
+        shape.draw(self._vertex_radiance)
+
+    def _texture_of(self, index: int, thing: Object) -> moderngl.Texture:
+        """An object's texture; a white one for those without."""
+        if thing.texture is None:
+            return self._white
+        return self.resources.get(("texture", index), thing.texture, lambda pixels: _texture(self.gl, pixels))
 
     def _lobes(self, index: int, material: Drawn) -> list[Lobe]:
         """The maps of an object's lobes on the GPU."""

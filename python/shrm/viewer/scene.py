@@ -21,8 +21,9 @@ class Scene:
     Parameters
     ----------
     objects : sequence of shrm.render.Object
-        Their materials are reflection maps (`shrm.ReflectionMap`), maps of `shrm.prefiltered`, or
-        dual-paraboloid maps (`shrm.viewer.ParaboloidMaps`, `shrm.viewer.HardwarePrefilter`).
+        Their materials are reflection maps (`shrm.ReflectionMap`), maps of `shrm.prefiltered`,
+        dual-paraboloid maps (`shrm.viewer.ParaboloidMaps`, `shrm.viewer.HardwarePrefilter`), or radiance at
+        vertices (`shrm.render.VertexRadiance`).
     camera : shrm.render.Camera
     background : shrm.Environment, optional
         What is seen behind the objects; black without one.

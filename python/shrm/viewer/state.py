@@ -12,18 +12,21 @@ import numpy as np
 from shrm.orders import require_orders, require_tolerance
 from shrm.render.camera import FloatArray
 from shrm.render.tangents import Tangents
-from shrm.validation import one_of, rotation
+from shrm.validation import one_of, rotation, whole_number
 from shrm.viewer.orbit import Orbit
 from shrm.viewer.scene import Viewer
 
 Method = Literal["shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral", "hardware"]
 Shown = Literal["maps", "integration", "difference"]
+Variant = Literal["unshadowed", "shadowed", "interreflected"]
 Up = Literal["y", "z"]
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
 UNTURNED: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 GOLD = "ggx(alpha=0.3,f0=1/0.71/0.29)"
 FORMAT = "shrm view 1"
+LEAST_TENTS = 3
+"""To a side: two would leave no tent that is zero on the horizon."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,17 @@ class State:
         Where it is seen from; without one, so that everything is in the picture.
     selected : int
         The object whose material the panel shows.
+    transfer : str, optional
+        The path of an object with transfer (`shrm transfer`), in place of the objects that mesh and
+        materials describe.
+    variant : {"unshadowed", "shadowed", "interreflected"}, optional
+        Of its transfer; without one, or where it has none such, the most complete that it has.
+    components : int, optional
+        How many of its components are used, K; all without one or where it has fewer.
+    tents : int, optional
+        How many tents there are to a side, M; as it has them without one or where it has fewer.
+    turning : bool
+        Whether the light turns about the vertical by itself.
 
     Raises
     ------
@@ -95,9 +109,14 @@ class State:
     light: Rows = UNTURNED
     eye: Orbit | None = field(default=None)
     selected: int = 0
+    transfer: str | None = None
+    variant: Variant | None = None
+    components: int | None = None
+    tents: int | None = None
+    turning: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("environment", "layout", "mesh"):
+        for name in ("environment", "layout", "mesh", "transfer"):
             value = getattr(self, name)
             if not isinstance(value, str) and (value is not None or name == "environment"):
                 raise TypeError(f"{name} must be a text, got {value!r}")
@@ -119,12 +138,17 @@ class State:
             require_orders(*self.orders)
         if isinstance(self.exposure, bool) or not -100.0 <= self.exposure <= 100.0:
             raise ValueError(f"exposure must be from -100 to 100 stops, got {self.exposure!r}")
-        for name in ("automatic", "background", "repair"):
+        for name in ("automatic", "background", "repair", "turning"):
             if not isinstance(getattr(self, name), bool):
                 raise TypeError(f"{name} must be true or false, got {getattr(self, name)!r}")
         rotation("light", self.light)
         if not isinstance(self.selected, int) or not 0 <= self.selected < len(self.materials):
             raise ValueError(f"selected must be from 0 to {len(self.materials) - 1}, got {self.selected!r}")
+        if self.variant is not None:
+            one_of("variant", self.variant, get_args(Variant))
+        for name, least in (("components", 1), ("tents", LEAST_TENTS)):
+            if getattr(self, name) is not None:
+                whole_number(name, getattr(self, name), least)
 
     @property
     def R(self) -> FloatArray:

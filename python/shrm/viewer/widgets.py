@@ -1,4 +1,4 @@
-"""Texts, explanations and disabled controls of the panel."""
+"""Texts, explanations and controls of the panel."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from slimgui import imgui
 
 WIDTH = 380  # of the panel
+
+RED, YELLOW, GREY = (1.0, 0.35, 0.3, 1.0), (1.0, 0.8, 0.3, 1.0), (0.62, 0.64, 0.68, 1.0)
 
 
 def wrapped(color: tuple[float, float, float, float], text: str) -> None:
@@ -38,3 +40,48 @@ def disabled(whether: bool) -> Iterator[None]:
     imgui.begin_disabled(whether)
     yield
     imgui.end_disabled()
+
+
+class Widgets:
+    """Controls whose places are kept.
+
+    Attributes
+    ----------
+    places : dict of str to (x, y, x, y)
+        Corners of each control of the last frame, in the window's units.
+    """
+
+    def __init__(self) -> None:
+        self.places: dict[str, tuple[float, float, float, float]] = {}
+
+    def place(self, name: str) -> None:
+        """Keep the place of the last control."""
+        self.places[name] = (*imgui.get_item_rect_min(), *imgui.get_item_rect_max())
+
+    def entered(self, label: str, text: str, meaning: str) -> str | None:
+        """A line of text; return another one that was typed in its place, once Enter is pressed."""
+        flags = imgui.InputTextFlags
+        entered, typed = imgui.input_text(label, text, flags.ENTER_RETURNS_TRUE | flags.AUTO_SELECT_ALL)
+        self.place(label)
+        explain(meaning)
+        return typed.strip() or None if entered and typed != text else None
+
+    def button(self, label: str, meaning: str = "") -> bool:
+        """A button; whether it was pressed."""
+        pressed = imgui.button(label)
+        self.place(label)
+        explain(meaning)
+        return pressed
+
+    def radio(self, label: str, active: bool) -> bool:
+        """One of several choices; whether it was chosen."""
+        pressed = imgui.radio_button(label, active)
+        self.place(label)
+        return pressed
+
+    def check(self, name: str, label: str, checked: bool, meaning: str) -> bool:
+        """A box to be checked, whose place has a name; whether it was clicked."""
+        clicked, _ = imgui.checkbox(label, checked)
+        self.place(name)
+        explain(meaning)
+        return clicked

@@ -1,0 +1,148 @@
+"""Objects with transfer in the world: lit through `shrm.transfer`, drawn as meshes with radiance at vertices.
+
+Transfer is precomputed in the object's own coordinates. Where the object stands turned, its light is turned
+back, in frequency space, and the eye is carried into its coordinates [LK03 section 4].
+
+References
+----------
+[LK03] J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import sh
+from shrm.render.camera import Camera, FloatArray, Vector
+from shrm.render.mesh import Mesh
+from shrm.render.placement import Placement
+from shrm.render.vertex_radiance import VertexRadiance
+
+if TYPE_CHECKING:
+    from shrm.transfer.lighting import Lighting
+    from shrm.transfer.object import RadianceTransfer
+
+SUFFIX = ".shrt"
+
+Viewer = Literal["near", "distant"]
+
+
+@dataclass(frozen=True, eq=False)
+class TransferredMesh:
+    """An object with transfer that stands in the world.
+
+    Parameters
+    ----------
+    transfer : RadianceTransfer
+    placement : Placement
+        From the transfer's coordinates to the world's.
+    """
+
+    transfer: RadianceTransfer
+    placement: Placement
+
+    @classmethod
+    def placed(
+        cls,
+        transfer: RadianceTransfer,
+        center: Vector = (0.0, 0.0, 0.0),
+        radius: float = 1.0,
+        turn: float = 0.0,
+    ) -> TransferredMesh:
+        """Stand the object in a cube, as `Mesh.placed` does."""
+        return cls(transfer, _mesh(transfer).placement(center, radius, turn))
+
+    @cached_property
+    def mesh(self) -> Mesh:
+        """The mesh in the world."""
+        return _mesh(self.transfer).moved(self.placement)
+
+    def light(self, coefficients: npt.ArrayLike, rotation: npt.ArrayLike) -> FloatArray:
+        """Turn light, then into the object's coordinates.
+
+        Parameters
+        ----------
+        coefficients : (k, 3) array_like
+            Of the environment, k >= n^2 in the real basis of `shrm.sh`; those of higher degrees are left out.
+        rotation : (3, 3) array_like
+            L'(w) = L(R^T w).
+
+        Returns
+        -------
+        (n^2, 3) float64
+        """
+        low = np.asarray(coefficients)[: self.transfer.n**2]
+        return sh.rotate(low, self.placement.R.T @ np.asarray(rotation, np.float64))
+
+    def lit(
+        self,
+        lighting: Lighting,
+        light: npt.ArrayLike,
+        camera: Camera,
+        viewer: Viewer = "near",
+    ) -> VertexRadiance:
+        """Light the vertices.
+
+        Parameters
+        ----------
+        lighting : shrm.transfer.lighting.Lighting
+            `RadianceTransfer.lighting` of the transfer.
+        light : (n^2, 3) array_like
+            See `light`.
+        camera : Camera
+        viewer : {"near", "distant"}
+            Whether each vertex has its own view vector or all have the camera's; an orthographic camera is
+            distant in either case.
+
+        Returns
+        -------
+        VertexRadiance
+        """
+        if viewer == "distant" or camera.height is not None:
+            return VertexRadiance(lighting.radiance(light, view=-camera.forward @ self.placement.R))
+        eye = self.placement.object_from_world(np.asarray(camera.position, np.float64))
+        return VertexRadiance(lighting.radiance(light, eye=eye))
+
+
+def load(path: str | Path) -> RadianceTransfer:
+    """Open a file of an object with transfer.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is no such file, or one that was cut short.
+    """
+    from shrm.transfer.object import RadianceTransfer
+
+    return RadianceTransfer.load(path)
+
+
+def is_transfer(path: str | Path) -> bool:
+    """Whether a file is an object with transfer: by its first bytes, or by a name that says so."""
+    from shrm.transfer.file import MAGIC
+
+    if Path(path).suffix.lower() == SUFFIX:
+        return True  # what is wrong with it, opening it says
+    try:
+        with open(path, "rb") as file:
+            return file.read(len(MAGIC)) == MAGIC
+    except OSError:
+        return False
+
+
+def _mesh(transfer: RadianceTransfer) -> Mesh:
+    """The mesh in the transfer's coordinates."""
+    return Mesh(
+        np.asarray(transfer.vertices, np.float64),
+        np.asarray(transfer.faces, np.int64),
+        np.asarray(transfer.frames, np.float64)[:, :, 2],
+        None if transfer.uv is None else np.asarray(transfer.uv, np.float64),
+    )

@@ -1,0 +1,50 @@
+"""Radiance known at the vertices of a mesh, in place of a material: what precomputed transfer gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.render.camera import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class VertexRadiance:
+    """Radiance towards the eye at each vertex of a mesh, interpolated linearly over its faces.
+
+    It belongs to one eye and one light: for others another one is made. The array is neither copied nor
+    watched; that it has changed is told by another `VertexRadiance` of it.
+
+    Parameters
+    ----------
+    values : (V, 3) float32
+        Linear. A row for each vertex of the mesh.
+
+    Raises
+    ------
+    ValueError
+        If the array is not of this shape and type.
+    """
+
+    values: npt.NDArray[np.float32]
+
+    def __post_init__(self) -> None:
+        if self.values.ndim != 2 or self.values.shape[1] != 3 or self.values.dtype != np.float32:
+            raise ValueError(f"values must be (V, 3) float32, got {self.values.shape} {self.values.dtype}")
+
+    def require_vertices(self, count: int) -> None:
+        """Check that there is a row for each vertex.
+
+        Raises
+        ------
+        ValueError
+            If there are more or fewer.
+        """
+        if len(self.values) != count:
+            raise ValueError(f"values has {len(self.values)} rows, but the mesh has {count} vertices")
+
+    def at(self, corners: npt.NDArray[np.int64], weights: FloatArray) -> npt.NDArray[np.float32]:
+        """Radiance (n, 3) at points of faces with corners (n, 3), by barycentric weights (n, 3)."""
+        return np.asarray(np.einsum("nk,nkc->nc", weights, self.values[corners]), np.float32)
