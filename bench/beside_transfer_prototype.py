@@ -2,11 +2,11 @@
 
     python bench/beside_transfer_prototype.py          # the comparison, as JSON; takes two minutes and 2 GB
 
-The study, ../shared/prototypes/mrt_runtime_prototype.cpp, is a C++ program for one order of light, one number of
-tents and this very processor, that stands beside the project and is no part of it. It is compiled with its sweep
-narrowed, reads the arrays that are written for it into a temporary folder, and the medians that it prints are
-read: of its ways to do a thing the fastest in float32. Ours read the same arrays and are measured as it measures
-itself: the median of frames for half a second, wall time, eye and light moving.
+The study, ../shared/prototypes/mrt_runtime_prototype.cpp, is a C++ program for one order of light, one number
+of tents and this very processor, that stands beside the project and is no part of it. It is compiled with its
+sweep narrowed, reads the arrays that are written for it into a temporary folder, and the medians that it
+prints are read: of its ways to do a thing the fastest in float32. Ours read the same arrays and are measured
+as it measures itself: the median of frames for half a second, wall time, eye and light moving.
 """
 
 import json

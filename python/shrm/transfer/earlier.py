@@ -216,7 +216,7 @@ class Convolution(Lighting):
 
 
 def zonal_kernel(brdf: BRDF, n: int) -> FloatArray:
-    """Return Lambda_l rho_l of a material of one lobe that is symmetric about its axis, such as Phong's and Lambert's.
+    """Return Lambda_l rho_l of a material of one radial lobe, such as Phong's and Lambert's.
 
     Parameters
     ----------

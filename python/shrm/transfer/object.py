@@ -8,16 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm.directional_basis import MOST_TENTS, DirectionalBasis
+from shrm.transfer.lighting import Compressed, Lighting, Tents
 from shrm.validation import one_of, real_array, whole_number
-
-if TYPE_CHECKING:
-    from shrm.transfer.lighting import Lighting  # type: ignore[import-untyped,import-not-found,unused-ignore]
 
 Array = npt.NDArray[np.floating]
 
@@ -115,7 +113,7 @@ class RadianceTransfer:
             one_of("variants", name, VARIANTS)
             self._require_fit(name, variant)
         self._coarser: dict[tuple[str, int], Array] = {}
-        self._lit: tuple[tuple[str, int], Any] | None = None
+        self._lit: tuple[tuple[str, int], Lighting] | None = None
 
     def _require_fit(self, name: str, variant: Variant) -> None:
         V, shape = len(self.vertices), (self.M**2, self.channels, self.n**2)
@@ -156,10 +154,9 @@ class RadianceTransfer:
         TypeError, ValueError
             If there is no such variant, or K or M is out of range.
         """
-        from shrm.transfer.lighting import Compressed, Tents  # only where something is lit
-
         name, one, K, M = self._chosen(variant, K, M)
         if one.weights is None:
+            assert one.matrices is not None
             return Tents(self.vertices, self.frames, one.matrices)
         components = self._components(name, one, M)
         return Compressed(self.vertices, self.frames, one.weights, components, one.clusters, K)
@@ -178,11 +175,11 @@ class RadianceTransfer:
 
         As `lighting`, whose result is kept for the next call.
         """
-        name, one, K, M = self._chosen(variant, K, M)
+        name, _, K, M = self._chosen(variant, K, M)
         if self._lit is None or self._lit[0] != (name, M):
             self._lit = (name, M), self.lighting(name, M=M)
         lighting = self._lit[1]
-        if one.weights is not None:
+        if isinstance(lighting, Compressed):
             lighting.K = K
         return np.asarray(lighting.radiance(light, eye=eye, view=view))
 

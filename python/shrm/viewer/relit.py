@@ -12,6 +12,7 @@ from shrm.environment import Environment
 from shrm.render.camera import Camera
 from shrm.render.transferred import TransferredMesh
 from shrm.render.vertex_radiance import VertexRadiance
+from shrm.transfer.lighting import Compressed
 from shrm.viewer.state import State, Variant
 
 if TYPE_CHECKING:
@@ -124,6 +125,6 @@ class RelitObject:
             held = transfer, choice.variant, choice.M, transfer.lighting(choice.variant, M=M)
             self._lighting = held
         lighting = held[3]
-        if choice.K and lighting.K != choice.K:
+        if isinstance(lighting, Compressed) and choice.K and lighting.K != choice.K:
             lighting.K = choice.K
         return lighting
