@@ -22,8 +22,8 @@ SHARP = {"40/40": (40.0, 40.0), "40/10": (40.0, 10.0)}
 VIEWS = sphere(64, 1)
 
 SPREAD = 2.0
-"""In dB. The energy that is lost differs between vertices by some 60%, so sums over 24 of them differ from sums
-over the 48 that are reported by 15% or .65 dB, and 2 dB are three times that."""
+"""In dB. The energy that is lost differs between vertices by some 60%, so sums over 24 of them differ from
+those over the 48 that are reported by 15% or .65 dB; this is three times that."""
 
 
 def read(name: str) -> Mesh:
