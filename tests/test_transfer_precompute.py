@@ -18,7 +18,6 @@ WHITE = np.sqrt(4 * np.pi)
 BUMPY = bumpy(3)
 ALL = ("unshadowed", "shadowed", "interreflected")
 GLOSSY = brdf.GGX(0.4, f0=(1.0, 0.7, 0.3))
-SHARED = (brdf.Lambert(0.5), brdf.GGX(0.4))
 
 
 def transferred(mesh: Mesh, material: Any, **options: Any) -> RadianceTransfer:
@@ -103,8 +102,8 @@ def unshadowed_expected(
     mesh: Mesh, transfer: oracles.Transfer, light: np.ndarray, view: np.ndarray
 ) -> np.ndarray:
     """Radiance (V, 3) by Gauss-Legendre in the cosine and equal steps in azimuth about each normal."""
-    x, w = np.polynomial.legendre.leggauss(64)
-    z, steps = (1 + x) / 2, 128
+    x, w = np.polynomial.legendre.leggauss(48)
+    z, steps = (1 + x) / 2, 96
     phi = 2 * np.pi * (np.arange(steps) + 0.5) / steps
     r = np.sqrt(1 - z**2)[:, None]
     local = np.stack([r * np.cos(phi), r * np.sin(phi), np.repeat(z[:, None], steps, 1)], axis=2)
@@ -131,8 +130,8 @@ def unshadowed_expected(
 )
 def test_without_occlusion_it_is_plain_shading(material, transfer, variant):
     """Within the error of the basis that is reported, which is over white light and all views."""
-    mesh = moved(ball(2), random_rotation(4))
-    held = transferred(mesh, material, n=4, M=9, variants=(variant,))
+    mesh = moved(ball(1), random_rotation(4))
+    held = transferred(mesh, material, n=4, M=7, variants=(variant,))
     lost = whole = 0.0
     for k, view in enumerate(sphere(6, 5)):
         light = random_light(4, 10 + k)
@@ -140,9 +139,9 @@ def test_without_occlusion_it_is_plain_shading(material, transfer, variant):
         found = radiance(held, variant, light, view)
         lost += ((expected - found)[up] ** 2).sum()
         whole += (expected[up] ** 2).sum()
-    # 6 views of 320 vertices and 18 random lights: their energies spread by 10%, .4 dB
+    # 6 views of 42 vertices and 18 random lights: their energies spread by 10%, .4 dB
     assert 10 * np.log10(whole / lost) > held.report["SNR of matrices"] - 1
-    assert held.report["SNR of matrices"] > 24
+    assert held.report["SNR of matrices"] > 20
 
 
 def test_it_is_what_prefiltering_says():
@@ -174,26 +173,89 @@ def test_radiance_is_linear_in_the_light(half):
         assert np.abs(2 * parts[0] - 3 * parts[1] - parts[2]).max() < 1e-6 * scale
 
 
-@pytest.mark.parametrize("name", ALL)
-def test_object_and_light_turn_together(name):
+def test_object_and_light_turn_together():
     mesh, R = BUMPY, random_rotation(11)
     tangents = np.random.default_rng(12).normal(size=mesh[0].shape)
-    material = brdf.AshikhminShirley(20, 5)
     light, view = random_light(3, 13), sphere(1, 14)[0]
-    first, second = (
-        radiance(transferred(m, material, variants=(name,), tangents=t, directions=1024), name, L, v)
-        for m, t, L, v in (
-            (mesh, tangents, light, view),
-            (moved(mesh, R, 2.0, 0.1), tangents @ R.T, turned(light, R), R @ view),
-        )
-    )
-    # A few rays in ten thousand run along edges and go either way. Each is 1/512 of a vertex's.
-    same = np.abs(first - second).max(axis=1) < 1e-5 * np.abs(first).max()
-    assert same.mean() > (0.999 if name == "unshadowed" else 0.9)
-    assert oracles.relative_rms(first, second) < (1e-5 if name == "unshadowed" else 2e-3)
+    options = {"variants": ALL, "directions": 1024}
+    material = brdf.AshikhminShirley(20, 5)
+    first = transferred(mesh, material, tangents=tangents, **options)
+    second = transferred(moved(mesh, R, 2.0, 0.1), material, tangents=tangents @ R.T, **options)
+    for name in ALL:
+        before, after = radiance(first, name, light, view), radiance(second, name, turned(light, R), R @ view)
+        same = np.abs(before - after).max(axis=1) < 1e-5 * np.abs(before).max()
+        if name == "unshadowed":
+            assert same.all()
+            continue
+        # A few rays in ten thousand run along edges and go either way. Each is one of a vertex's 512.
+        assert same.mean() > 0.9
+        assert oracles.relative_rms(after, before) < 2e-3
 
 
 def turned(light: np.ndarray, R: np.ndarray) -> np.ndarray:
     """Coefficients of L(R^T w), from its values at many directions."""
     F, w = round(np.sqrt(len(light))) - 1, sphere(200, 15)
     return np.linalg.lstsq(oracles.real_harmonics(F, w @ R.T), oracles.real_harmonics(F, w) @ light)[0]
+
+
+# ---- What is reported is measured
+
+
+def gram(M: int) -> np.ndarray:
+    """Of the tents: 2 pi times that of tents on the unit square."""
+    h = 1 / (M - 1)
+    one = h / 6 * (4 * np.eye(M) + np.eye(M, k=1) + np.eye(M, k=-1))
+    one[0, 0] = one[-1, -1] = h / 3
+    return 2 * np.pi * np.kron(one, one)
+
+
+def energy(A: np.ndarray) -> float:
+    """Of the radiance that matrices (V, M^2, C, n^2) make of white light."""
+    G = gram(round(np.sqrt(A.shape[1])))
+    return float(np.einsum("ptcj,ts,pscj->", A, G, A, optimize=True))
+
+
+def rebuilt(held: RadianceTransfer, name: str, K: int) -> np.ndarray:
+    variant = held.variants[name]
+    weights, components = (np.asarray(a, np.float64) for a in (variant.weights, variant.components))
+    if variant.clusters is None:
+        return np.einsum("pk,ktcj->ptcj", weights[:, :K], components[:K])
+    return np.einsum("pk,pktcj->ptcj", weights[:, :K], components[variant.clusters][:, :K])
+
+
+@pytest.mark.parametrize("path", [Path(), Path(4)], ids=str)
+@pytest.mark.parametrize("material", [GLOSSY, brdf.GGX(0.4)], ids=["colour", "grey"])
+@pytest.mark.parametrize("options", [{"K": 12}, {"half": True, "accuracy": 20.0, "K": None}, {"clusters": 5}])
+def test_the_snr_of_components_is_that_of_all_matrices(path, material, options):
+    held = transferred(BUMPY, material, variants=ALL, M=4, path=path, **options)
+    assert list(held.report["compression"]) == list(held.variants)
+    for name, report in held.report["compression"].items():
+        A, K = matrices(held, name), held.variants[name].K
+        assert report["K"] == K
+        for k in {1, K // 2, K}:
+            snr = 10 * np.log10(energy(A) / energy(A - rebuilt(held, name, k)))
+            assert report["SNR of 1 to K"][k - 1] == pytest.approx(snr, abs=0.02)
+        assert report["SNR"] == report["SNR of 1 to K"][-1]
+        if options.get("K", 1) is None:
+            assert report["SNR of 1 to K"][-1] >= 20 > report["SNR of 1 to K"][-2]
+        held_as = np.float16 if options.get("half") else np.float32
+        assert held.variants[name].weights.dtype == held_as
+
+
+def test_what_is_asked_for_is_there():
+    mesh = bumpy(2)
+    held = transferred(mesh, brdf.GGX(0.5), n=2, M=4, K=7, clusters=3, variants=ALL, half=True)
+    assert (held.n, held.M, held.channels, held.material) == (2, 4, 1, brdf.GGX(0.5).name)
+    np.testing.assert_array_equal(held.faces, mesh[1])
+    np.testing.assert_array_equal(held.vertices, mesh[0].astype(np.float32))
+    for variant in held.variants.values():
+        assert variant.weights.shape == (len(mesh[0]), 7)
+        assert variant.components.shape == (3, 7, 16, 1, 4)
+        assert variant.matrices.shape == (len(mesh[0]), 16, 1, 4)
+        assert set(variant.clusters) == {0, 1, 2}
+    held.require_mesh(*mesh[:2])
+
+
+def test_variants_come_in_their_order_whatever_is_asked():
+    held = transferred(bumpy(2), brdf.Lambert(0.5), n=1, M=2, K=1, variants=ALL[::-1])
+    assert tuple(held.variants) == ALL

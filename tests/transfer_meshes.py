@@ -98,9 +98,9 @@ def with_points(mesh: Mesh, points: np.ndarray, normals: np.ndarray) -> tuple[Me
     )
 
 
-def bumpy(seed: int) -> Mesh:
+def bumpy(seed: int, subdivisions: int = 2) -> Mesh:
     """A closed mesh with hollows: a sphere of random radii."""
-    mesh = trimesh.creation.icosphere(2)
+    mesh = trimesh.creation.icosphere(subdivisions)
     vertices = mesh.vertices * np.random.default_rng(seed).uniform(0.6, 1.4, (len(mesh.vertices), 1))
     mesh = trimesh.Trimesh(vertices, mesh.faces, process=False)
     return np.array(vertices), np.array(mesh.faces), np.array(mesh.vertex_normals)
