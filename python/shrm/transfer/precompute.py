@@ -16,7 +16,6 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.brdf import BRDF
-from shrm.directional_basis import MOST_TENTS
 from shrm.tangent_frames import vertex_frames
 from shrm.transfer.accuracy import Sample, chosen
 from shrm.transfer.bounces import MOST_BOUNCES, leaving
@@ -26,10 +25,11 @@ from shrm.transfer.compression import factored, streamed
 from shrm.transfer.directions import local_directions
 from shrm.transfer.materials import Materials
 from shrm.transfer.matrices import Factors, Matrices
-from shrm.transfer.object import MOST_LIGHT, VARIANTS, RadianceTransfer, Variant
+from shrm.transfer.object import VARIANTS, RadianceTransfer, Variant
 from shrm.transfer.product import Path as Way
 from shrm.transfer.product import Product, product
 from shrm.transfer.rays import Occluders, mesh_faces, rows
+from shrm.transfer.surface import MOST_ORDER, MOST_TENTS
 from shrm.transfer.visibility import Visibility
 from shrm.validation import number, one_of, whole_number
 
@@ -150,7 +150,7 @@ def precompute(
     """
     vertices = rows("vertices", mesh.vertices, 3)
     faces = mesh_faces(mesh.faces, len(vertices))
-    n = whole_number("n", n, 1, MOST_LIGHT)
+    n = whole_number("n", n, 1, MOST_ORDER)
     bounces = whole_number("bounces", bounces, 1, MOST_BOUNCES)
     accuracy = number("accuracy", accuracy, 0.0, 60.0)
     M = None if M is None else whole_number("M", M, 2, MOST_TENTS)
