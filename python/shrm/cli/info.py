@@ -99,7 +99,9 @@ def transfer_lines(path: str) -> list[str]:
         said = made.report.get("compression", {}).get(name, {})
         kept = [] if variant.matrices is None else ["matrices"]
         if variant.weights is not None:
-            clusters = "" if variant.clusters is None else f" in each of {int(variant.clusters.max()) + 1} clusters"
+            clusters = (
+                "" if variant.clusters is None else f" in each of {int(variant.clusters.max()) + 1} clusters"
+            )
             snr = said.get("SNR")
             kept.insert(0, f"{variant.K} components{clusters}" + ("" if snr is None else f", {snr:.1f} dB"))
         lines.append(f"  {name:15}{'; '.join(kept)}")
