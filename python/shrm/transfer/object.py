@@ -15,16 +15,13 @@ import numpy.typing as npt
 
 from shrm.directional_basis import DirectionalBasis
 from shrm.transfer.lighting import Compressed, Lighting, Tents
-from shrm.transfer.surface import MOST_TENTS
+from shrm.transfer.surface import MOST_ORDER, MOST_TENTS
 from shrm.validation import one_of, real_array, whole_number
 
 Array = npt.NDArray[np.floating]
 
 VARIANTS = ("unshadowed", "shadowed", "interreflected")
 """The names of variants: light that reaches a vertex straight, or past the rest of the object, or from it."""
-
-MOST_LIGHT = 10
-"""The largest order n of light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,10 +94,9 @@ class RadianceTransfer:
     report: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.n, self.M = whole_number("n", self.n, 1, MOST_LIGHT), whole_number("M", self.M, 2, MOST_TENTS)
-        self.channels = whole_number("channels", self.channels, 1, 3)
-        if self.channels == 2:
-            raise ValueError("channels must be 1 or 3, got 2")
+        self.n, self.M = whole_number("n", self.n, 1, MOST_ORDER), whole_number("M", self.M, 2, MOST_TENTS)
+        if self.channels not in (1, 3):
+            raise ValueError(f"channels must be 1 or 3, got {self.channels!r}")
         self.vertices = _rows("vertices", self.vertices, (None, 3))
         V = len(self.vertices)
         self.faces = _indices("faces", self.faces, (None, 3), V)
