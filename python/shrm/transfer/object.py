@@ -95,8 +95,9 @@ class RadianceTransfer:
 
     def __post_init__(self) -> None:
         self.n, self.M = whole_number("n", self.n, 1, MOST_ORDER), whole_number("M", self.M, 2, MOST_TENTS)
-        if self.channels not in (1, 3):
-            raise ValueError(f"channels must be 1 or 3, got {self.channels!r}")
+        self.channels = whole_number("channels", self.channels, 1, 3)
+        if self.channels == 2:
+            raise ValueError("channels must be 1 or 3, got 2")
         self.vertices = _rows("vertices", self.vertices, (None, 3))
         V = len(self.vertices)
         self.faces = _indices("faces", self.faces, (None, 3), V)
