@@ -242,8 +242,8 @@ def _cosines(directions: FloatArray) -> FloatArray:
     return np.asarray(2 * np.pi / len(directions) * directions[:, 2])
 
 
-def _albedo(albedo: npt.ArrayLike, count: int) -> FloatArray:
-    """Albedos (V or 1, C)."""
+def albedos(albedo: npt.ArrayLike, count: int) -> FloatArray:
+    """Return albedos (V or 1, C), see `leaving`; TypeError or ValueError if they are not as described."""
     array = real_array("albedo", albedo)
     if array.shape == (3,):
         array = array[None]
