@@ -125,7 +125,7 @@ class PrincipalComponents:
         halves = [name for name in ("weights", "components") if getattr(self, name).dtype == np.float16]
         result: dict[str, Any] = {"K": self.K, "SNR": snr[-1], "SNR of 1 to K": snr, "half floats": halves}
         if halves:
-            with np.errstate(divide="ignore"):
+            with np.errstate(divide="ignore", invalid="ignore"):  # of matrices that are all zero
                 alone = 10 * float(np.log10(self.left[0]) - np.log10(self.rounding[-1]))
             result["SNR of rounding"] = round(alone, 3) if np.isfinite(alone) else None
         if self.clusters is not None:

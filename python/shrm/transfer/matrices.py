@@ -61,7 +61,7 @@ class Factors:
             return self.rows.reshape(shape)
         return stored(
             path,
-            {"digest": _digest(outer, self.rows[:1])},
+            {"digest": _digest(outer, self.rows)},
             (V, len(outer), n2),
             _parts(V),
             lambda part: np.matmul(outer, self.rows[part]),
@@ -164,7 +164,8 @@ class Matrices:
         name = "shadowed" if leaving is None else "interreflected"
         extra = () if leaving is None else (leaving,)
         count = self.tents * self.channels if inner is None else len(inner)
-        rows = self._stored(name, count, parts, make, progress, visibility.directions, *extra)
+        seen = (visibility.directions, visibility.vertices, visibility.faces)
+        rows = self._stored(name, count, parts, make, progress, *seen, *extra)
         if inner is None:
             return Factors(self.tents, self.channels, rows)
         outer = first.outer
