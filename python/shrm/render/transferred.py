@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -23,10 +23,9 @@ from shrm.render.camera import Camera, FloatArray, Vector
 from shrm.render.mesh import Mesh
 from shrm.render.placement import Placement
 from shrm.render.vertex_radiance import VertexRadiance
-
-if TYPE_CHECKING:
-    from shrm.transfer.lighting import Lighting
-    from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.file import MAGIC
+from shrm.transfer.lighting import Lighting
+from shrm.transfer.object import RadianceTransfer
 
 SUFFIX = ".shrt"
 
@@ -110,25 +109,8 @@ class TransferredMesh:
         return VertexRadiance(lighting.radiance(light, eye=eye))
 
 
-def load(path: str | Path) -> RadianceTransfer:
-    """Open a file of an object with transfer.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If it is no such file, or one that was cut short.
-    """
-    from shrm.transfer.object import RadianceTransfer
-
-    return RadianceTransfer.load(path)
-
-
 def is_transfer(path: str | Path) -> bool:
     """Whether a file is an object with transfer: by its first bytes, or by a name that says so."""
-    from shrm.transfer.file import MAGIC
-
     if Path(path).suffix.lower() == SUFFIX:
         return True  # what is wrong with it, opening it says
     try:
@@ -139,10 +121,14 @@ def is_transfer(path: str | Path) -> bool:
 
 
 def _mesh(transfer: RadianceTransfer) -> Mesh:
-    """The mesh in the transfer's coordinates."""
+    """The mesh in the transfer's coordinates, with the tangents that its frames have."""
+    frames, faces = np.asarray(transfer.frames, np.float64), np.asarray(transfer.faces, np.int64)
+    tangents = frames[:, :, 0][faces]
+    against = np.einsum("fkx,fx->fk", tangents, tangents[:, 0]) < 0.0  # the signs agree within a face
     return Mesh(
         np.asarray(transfer.vertices, np.float64),
-        np.asarray(transfer.faces, np.int64),
-        np.asarray(transfer.frames, np.float64)[:, :, 2],
+        faces,
+        frames[:, :, 2],
         None if transfer.uv is None else np.asarray(transfer.uv, np.float64),
+        np.where(against[:, :, None], -tangents, tangents),
     )

@@ -255,11 +255,11 @@ class Application:
             self.act(action)
 
     def _show(self, result: Prefiltered, extent: tuple[int, int]) -> None:
-        """Choose what is shown of what was drawn; of objects with transfer there is no integral."""
-        if self.state.shown == "maps" or self.state.eye is None or result.transferred is not None:
+        """Choose what is shown of what was drawn."""
+        if self.state.shown == "maps" or self.state.eye is None:
             self.screen.show_drawn()
             return
-        question = question_of(result, self.state.eye.camera, self.state.viewer, extent)
+        question = question_of(result, self.state, self.state.eye.camera, extent)
         try:
             self.comparison.show(question, self.state.shown == "difference", self.screen, self.drawing.seen)
         except Faults as fault:

@@ -23,7 +23,7 @@ KEYS = (
     ("E", "find the exposure from the picture"),
     ("B", "environment behind the objects on or off"),
     ("M", "next method: SHRM, round lobes, 12 views, GPU"),
-    ("1  2  3", "show maps, integral, difference"),
+    ("1  2  3", "show maps or transfer, integral, difference"),
     ("H", "shadows on or off, of an object with transfer"),
     ("I", "light between its parts (interreflection) on or off"),
     ("Tab", "panel on or off"),
@@ -120,6 +120,23 @@ SHOWN: tuple[tuple[Shown, str, str], ...] = (
         "The absolute difference between maps and integral on the objects, "
         f"{AMPLIFIED:g} times as bright; where "
         "it is black there is none. (Key 3)",
+    ),
+)
+SHOWN_OF_TRANSFER: tuple[tuple[Shown, str, str], ...] = (
+    ("maps", "transfer", "The picture from the transfer. (Key 1)"),
+    (
+        "integration",
+        "integral",
+        "Plain shading to judge the transfer: the same material in the same light, of the same order, by "
+        f"direct integration and without shadows. In the background, in {len(COARSENESS)} passes, coarse "
+        "first; the last takes minutes. (Key 2)",
+    ),
+    (
+        "difference",
+        f"difference x{AMPLIFIED:g}",
+        "The absolute difference between transfer and integral on the object, "
+        f"{AMPLIFIED:g} times as bright: what shadows and bounces do; without them, how accurate the "
+        "transfer is. (Key 3)",
     ),
 )
 TANGENTS: tuple[tuple[Tangents, str, str], ...] = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, get_args
+from typing import get_args
 
 import numpy as np
 
@@ -12,12 +12,9 @@ from shrm.environment import Environment
 from shrm.render.camera import Camera
 from shrm.render.transferred import TransferredMesh
 from shrm.render.vertex_radiance import VertexRadiance
-from shrm.transfer.lighting import Compressed
+from shrm.transfer.lighting import Compressed, Lighting
+from shrm.transfer.object import RadianceTransfer
 from shrm.viewer.state import State, Variant
-
-if TYPE_CHECKING:
-    from shrm.transfer.lighting import Lighting
-    from shrm.transfer.object import RadianceTransfer
 
 VARIANTS: tuple[Variant, ...] = get_args(Variant)
 """From the simplest to the most complete."""
