@@ -27,6 +27,7 @@ from shrm.cli.options import (
     number,
     of_transfer,
     parse_brdf,
+    positive,
     view,
     whole,
 )
@@ -109,6 +110,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         metavar="DEG",
         help="field of view of the wider side (default 30)",
     )
+    add("--zoom", type=positive, default=1.0, metavar="Z", help="enlarge what is in the middle, Z times")
     add_viewer(command, default="near")
     add("--gpu", action="store_true", help="draw with OpenGL; needs no display")
     add(

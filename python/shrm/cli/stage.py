@@ -45,9 +45,8 @@ class Stage(ABC):
         extent: tuple[int, int] = options.size or row_picture(count, diameter=320)
         self.width, self.height = extent
         azimuth, elevation = options.view
-        self.camera, self.centers = row_camera(
-            count, self.width / self.height, azimuth, elevation, options.fov
-        )
+        camera, self.centers = row_camera(count, self.width / self.height, azimuth, elevation, options.fov)
+        self.camera = camera.zoomed(options.zoom)
 
     @abstractmethod
     def objects(self, rotation: FloatArray, camera: Camera) -> list[Object]:

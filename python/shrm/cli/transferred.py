@@ -72,6 +72,7 @@ class TransferredStage(Stage):
         """Return it, lit for the camera."""
         from shrm.render import Object
 
-        light = self.thing.light(self.env.coefficients(self.thing.transfer.n - 1), rotation)
+        coefficients = self.env.coefficients(self.thing.transfer.n - 1)
+        light = self.thing.light(coefficients, rotation, self.options.window)
         lit = self.thing.lit(self.lighting, light, camera, self.options.viewer)
         return [Object(self.thing.mesh, lit, self.texture)]

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import sh
+from shrm.prefiltering import Window, degree_window
 from shrm.render.camera import Camera, FloatArray, Vector
 from shrm.render.mesh import Mesh
 from shrm.render.placement import Placement
@@ -62,7 +63,9 @@ class TransferredMesh:
         """The mesh in the world."""
         return _mesh(self.transfer).moved(self.placement)
 
-    def light(self, coefficients: npt.ArrayLike, rotation: npt.ArrayLike) -> FloatArray:
+    def light(
+        self, coefficients: npt.ArrayLike, rotation: npt.ArrayLike, window: Window | None = None
+    ) -> FloatArray:
         """Turn light, then into the object's coordinates.
 
         Parameters
@@ -71,12 +74,14 @@ class TransferredMesh:
             Of the environment, k >= n^2 in the real basis of `shrm.sh`; those of higher degrees are left out.
         rotation : (3, 3) array_like
             L'(w) = L(R^T w).
+        window : {"hann", "lanczos"}, optional
+            See `low_degrees`.
 
         Returns
         -------
         (n^2, 3) float64
         """
-        low = np.asarray(coefficients)[: self.transfer.n**2]
+        low = low_degrees(coefficients, self.transfer.n, window)
         return sh.rotate(low, self.placement.R.T @ np.asarray(rotation, np.float64))
 
     def lit(
@@ -107,6 +112,16 @@ class TransferredMesh:
             return VertexRadiance(lighting.radiance(light, view=-camera.forward @ self.placement.R))
         eye = self.placement.object_from_world(np.asarray(camera.position, np.float64))
         return VertexRadiance(lighting.radiance(light, eye=eye))
+
+
+def low_degrees(coefficients: npt.ArrayLike, n: int, window: Window | None = None) -> FloatArray:
+    """Return the coefficients (n^2, 3) of degrees 0 to n - 1, of (k, 3) with k >= n^2.
+
+    A window weighs the degrees, so that beside a sun light does not ring: it is less than nothing there
+    without one.
+    """
+    weights = np.repeat(degree_window(window, n - 1), 2 * np.arange(n) + 1)
+    return weights[:, None] * np.asarray(coefficients, np.float64)[: n * n]
 
 
 def is_transfer(path: str | Path) -> bool:

@@ -20,11 +20,22 @@ def question_of(result: Prefiltered, state: State, camera: Camera, extent: tuple
 
     Of an object with transfer that is its material without shadows, in the light that its transfer knows.
     """
-    light, materials, n = result.request.light, result.request.materials, None
-    if result.transferred is not None:
-        transfer = result.transferred.transfer
-        light, materials, n = state.light, (transfer.material,), transfer.n
-    return Question(result.environment, light, materials, result.shapes, camera, state.viewer, *extent, n)
+    environment, shapes, request = result.environment, result.shapes, result.request
+    if result.transferred is None:
+        return Question(environment, request.light, request.materials, shapes, camera, state.viewer, *extent)
+    transfer = result.transferred.transfer
+    materials = (transfer.material,)
+    return Question(
+        environment,
+        state.light,
+        materials,
+        shapes,
+        camera,
+        state.viewer,
+        *extent,
+        transfer.n,
+        state.window,
+    )
 
 
 class Comparison:

@@ -139,8 +139,7 @@ def bounds(shape: Shape) -> tuple[FloatArray, float]:
         return np.asarray(shape.center, np.float64), shape.radius
     if not isinstance(shape, Mesh):
         raise TypeError(f"a shape must be a Mesh or a Sphere to be drawn, got {type(shape).__name__}")
-    low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
-    return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
+    return shape.ball
 
 
 def clip_from_world(

@@ -15,10 +15,12 @@ import numpy.typing as npt
 
 from shrm import brdf, sh
 from shrm.environment import Environment
+from shrm.prefiltering import Window
 from shrm.reference import integrate, prefilter_angular
 from shrm.render.camera import Camera, FloatArray
 from shrm.render.picture import Object, Picture, Reflection, render
 from shrm.render.shapes import Shape
+from shrm.render.transferred import low_degrees
 from shrm.viewer.scene import Viewer
 from shrm.viewer.state import Rows
 from shrm.viewer.worker import StaleError
@@ -49,6 +51,8 @@ class Question:
         Extent of the window's picture in pixels.
     n : int, optional
         Order of the light: its degrees 0 to n - 1 alone are integrated, all of it without one.
+    window : {"hann", "lanczos"}, optional
+        On these degrees.
     """
 
     environment: Environment
@@ -60,6 +64,7 @@ class Question:
     width: int
     height: int
     n: int | None = None
+    window: Window | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +89,7 @@ class Integration:
     """Answers questions in one thread, and keeps the light that was made ready."""
 
     def __init__(self) -> None:
-        self._light: tuple[tuple[Environment, int | None], Environment] | None = None
+        self._light: tuple[tuple[Environment, int | None, Window | None], Environment] | None = None
 
     def __call__(self, question: Question, stale: Callable[[], bool]) -> Iterator[Integrated]:
         """Yield the picture, ever finer [RH02 eq. 10].
@@ -94,7 +99,7 @@ class Integration:
         StaleError
             If there is a newer question.
         """
-        key = question.environment, question.n
+        key = question.environment, question.n, question.window
         if self._light is None or self._light[0] != key:
             self._light = key, _coarse(*key)
         light = self._light[1]
@@ -108,11 +113,11 @@ class Integration:
             yield Integrated(question, picture, coarseness)
 
 
-def _coarse(environment: Environment, n: int | None) -> Environment:
+def _coarse(environment: Environment, n: int | None, window: Window | None) -> Environment:
     """The light with as many texels as every pixel can visit."""
     if n is not None:
-        low = sh.synthesis(environment.coefficients(n - 1), SMOOTH_ROWS, 2 * SMOOTH_ROWS)
-        return Environment(low.astype(np.float32))
+        low = low_degrees(environment.coefficients(n - 1), n, window)
+        return Environment(sh.synthesis(low, SMOOTH_ROWS, 2 * SMOOTH_ROWS).astype(np.float32))
     H = environment.pixels.shape[0]
     return environment.resized(ROWS, 2 * ROWS) if H > ROWS else environment
 

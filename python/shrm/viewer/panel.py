@@ -118,7 +118,7 @@ class Panel:
         """Say the most important thing in a place that is always as high: nothing below it moves."""
         notes = () if facts.result is None else facts.result.notes
         top, color = imgui.get_cursor_pos_y(), GREY
-        text = "Drop a mesh (.ply, .obj, .glb, .stl), a .shrt,\nor a picture (.hdr, .exr, .png) here."
+        text = "Drop a picture (.hdr, .exr, .png) here,\na mesh (.ply, .obj, .glb, .stl) or a .shrt."
         reading = facts.result is not None and facts.result.request.environment != state.environment
         coming = f"reading {Path(state.environment).name} ..." if reading and facts.working else ""
         said = ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault), (GREY, coming))

@@ -6,8 +6,6 @@ import time
 from dataclasses import dataclass
 from typing import get_args
 
-import numpy as np
-
 from shrm.environment import Environment
 from shrm.render.camera import Camera
 from shrm.render.transferred import TransferredMesh
@@ -103,12 +101,12 @@ class RelitObject:
             If the object cannot be lit so.
         """
         choice = Choice.of(state, thing.transfer)
-        decides = thing, environment, choice, state.light, state.viewer, camera
+        decides = thing, environment, choice, state.light, state.window, state.viewer, camera
         if self._lit is None or self._lit[0] != decides:
             coefficients = environment.coefficients(thing.transfer.n - 1)  # kept with the environment
             lighting = self._chosen(thing.transfer, choice)
             start = time.perf_counter()
-            light = thing.light(coefficients, np.asarray(state.light, np.float64))
+            light = thing.light(coefficients, state.R, state.window)
             lit = thing.lit(lighting, light, camera, state.viewer)
             self.seconds = time.perf_counter() - start
             self._lit = decides, lit

@@ -14,7 +14,7 @@ from pathlib import Path
 from slimgui import imgui
 
 from shrm.transfer.object import RadianceTransfer
-from shrm.viewer.choices import BY_PATH, DISTANCES, SHOWN_OF_TRANSFER
+from shrm.viewer.choices import BY_PATH, DISTANCES, SHOWN_OF_TRANSFER, WINDOWS
 from shrm.viewer.lighting import Prefiltered
 from shrm.viewer.opening import absolute, with_file
 from shrm.viewer.relit import Choice
@@ -43,11 +43,12 @@ def draw_transfer(widgets: Widgets, state: State, result: Prefiltered | None, in
     state = _variant(widgets, state, choice)
     state = _sizes(widgets, state, choice)
     viewer = widgets.choice("viewer", DISTANCES, state.viewer)
+    window = widgets.choice("window", WINDOWS, state.window)
     shown = widgets.choice("shown ", SHOWN_OF_TRANSFER, state.shown)
     imgui.text_colored(GREY, integrated or " ")
-    state = replace(state, viewer=viewer, shown=shown)
+    state = replace(state, viewer=viewer, window=window, shown=shown)
     for line, meaning in lines(transfer, choice):
-        imgui.text(line)
+        imgui.text_wrapped(line)
         explain(meaning)
     return state
 
@@ -89,7 +90,7 @@ def _sizes(widgets: Widgets, state: State, choice: Choice) -> State:
 
 def lines(transfer: RadianceTransfer, choice: Choice) -> Iterator[tuple[str, str]]:
     """What is to be known of an object: lines, and what they mean."""
-    yield transfer.material, "The object's material, which is in its transfer."
+    yield transfer.material.replace(",", ", "), "The object's material, which is in its transfer."
     channels = "colours" if transfer.channels == 3 else "grey"
     yield (
         f"{len(transfer.vertices)} vertices, {len(transfer.faces)} faces",

@@ -10,7 +10,7 @@ from slimgui import imgui
 
 WIDTH = 380  # of the panel
 
-T = TypeVar("T", bound=str)
+T = TypeVar("T")
 
 RED, YELLOW, GREY = (1.0, 0.35, 0.3, 1.0), (1.0, 0.8, 0.3, 1.0), (0.62, 0.64, 0.68, 1.0)
 
