@@ -127,14 +127,15 @@ VARIANTS = ("unshadowed", "shadowed", "interreflected")
 """Those of `shrm.transfer`."""
 
 
-def add_transfer(command: argparse.ArgumentParser) -> None:
-    """Add what is used of an object with transfer."""
+def add_transfer(command: argparse.ArgumentParser, *, row: bool = False) -> None:
+    """Add what is used of an object with transfer; in a row it may be several variants."""
     add = command.add_argument
     add(
         "--variant",
         choices=VARIANTS,
+        action="append" if row else "store",
         help="of an object with transfer: without shadows, with them, or with light between its parts too"
-        " (default: the most complete that it has)",
+        f" (default: the most complete that it has){'; repeat for a row of them' if row else ''}",
     )
     add("--components", type=whole, metavar="K", help="components of its transfer to use (default: all)")
     add("--tents", type=tents, metavar="M", help="tents to a side, in place of more (default: all)")

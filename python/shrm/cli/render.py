@@ -5,7 +5,7 @@ multiplied by 2^exposure, clipped at white and encoded by the sRGB curve; an .ex
 --gpu OpenGL draws the same picture, with or without a display.
 
 Materials and maps know no shadows and no interreflection. An object whose transfer `shrm transfer`
-has precomputed does; it stands alone, and has its material already.
+has precomputed does, and has its material already; every --variant adds one to a row.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         " (angular) or in a pyramid of it (hierarchical); or by an earlier technique, an approximation: "
         f"{', '.join(TECHNIQUES)}. The tolerance of the last two kinds is 0.01 unless it is given",
     )
-    add_transfer(command)
+    add_transfer(command, row=True)
     add(
         "--light-turn",
         type=number,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from shrm.cli.console import progress
@@ -35,8 +36,10 @@ def require_none_of_maps(options: argparse.Namespace) -> None:
             )
 
 
-def opened(path: str, options: argparse.Namespace) -> tuple[RadianceTransfer, Lighting]:
-    """Open an object with transfer, and choose of it what the options say.
+def opened(
+    path: str, options: argparse.Namespace, variants: Sequence[str | None]
+) -> tuple[RadianceTransfer, list[Lighting]]:
+    """Open an object with transfer, and choose of its variants what the options say; None: the default one.
 
     Raises
     ------
@@ -50,29 +53,31 @@ def opened(path: str, options: argparse.Namespace) -> tuple[RadianceTransfer, Li
     with progress("Opening the object"):
         transfer = RadianceTransfer.load(path)
         try:
-            lighting = transfer.lighting(options.variant, K=options.components, M=options.tents)
+            lit = [transfer.lighting(one, K=options.components, M=options.tents) for one in variants]
         except ValueError as fault:
             raise argparse.ArgumentError(None, f"{path}: {fault}") from None
-    return transfer, lighting
+    return transfer, lit
 
 
 class TransferredStage(Stage):
-    """An object with transfer, its light and the camera, as the options have them."""
+    """Variants of an object with transfer in a row, their light and the camera, as the options have them."""
 
     def __init__(self, options: argparse.Namespace) -> None:
         from shrm.render import TransferredMesh
 
-        transfer, self.lighting = opened(options.transfer, options)
+        transfer, self.lighting = opened(options.transfer, options, options.variant or [None])
         if options.texture is not None and transfer.uv is None:
             raise ValueError(f"{options.transfer}: it has no texture coordinates for --texture")
-        super().__init__(options, 1)
-        self.thing = TransferredMesh.placed(transfer, turn=options.turn)
+        super().__init__(options, len(self.lighting))
+        self.row = [TransferredMesh.placed(transfer, center, turn=options.turn) for center in self.centers]
 
     def objects(self, rotation: FloatArray, camera: Camera) -> list[Object]:
-        """Return it, lit for the camera."""
+        """Return them, lit for the camera."""
         from shrm.render import Object
 
-        coefficients = self.env.coefficients(self.thing.transfer.n - 1)
-        light = self.thing.light(coefficients, rotation, self.options.window)
-        lit = self.thing.lit(self.lighting, light, camera, self.options.viewer)
-        return [Object(self.thing.mesh, lit, self.texture)]
+        coefficients = self.env.coefficients(self.row[0].transfer.n - 1)
+        light = self.row[0].light(coefficients, rotation, self.options.window)
+        return [
+            Object(thing.mesh, thing.lit(lighting, light, camera, self.options.viewer), self.texture)
+            for thing, lighting in zip(self.row, self.lighting, strict=True)
+        ]

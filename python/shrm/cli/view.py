@@ -80,7 +80,7 @@ def run(options: argparse.Namespace) -> None:
 
     first = state(options)
     if first.transfer is not None:  # what is wrong with it is said without a window
-        opened(first.transfer, options)
+        opened(first.transfer, options, [options.variant])
     from shrm.viewer.app import Application
 
     application = Application(first, *options.size, state_file=options.state and Path(options.state))
