@@ -175,7 +175,7 @@ def test_the_snr_is_that_of_random_views_and_lights():
 
 
 def test_as_many_components_as_the_accuracy_takes(columns, monkeypatch):
-    monkeypatch.setattr(compression, "_FIRST", 4)  # and then twice as many, again and again
+    monkeypatch.setattr(compression, "_FIRST", 4)  # and then four times as many, again and again
     A = slow_matrices(150, 1, seed=10)
     snr = exact(A).snr
     for accuracy in (5.0, 12.0, 20.0):

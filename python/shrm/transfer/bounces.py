@@ -110,7 +110,7 @@ def leaving(
     if not visibility.hits:
         raise ValueError(_NO_HITS)
     bounces = whole_number("bounces", bounces, 1, MOST_BOUNCES)
-    reflected = _albedo(albedo, len(visibility.vertices))[:, :, None] / np.pi
+    reflected = albedos(albedo, len(visibility.vertices))[:, :, None] / np.pi
     E = irradiance(visibility, n)[:, None, :]  # the same for every channel
     L: FloatArray = reflected * E
     for done in range(1, bounces):

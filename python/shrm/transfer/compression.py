@@ -50,8 +50,8 @@ components where singular values fall as slowly as those of shadowed matrices do
 GRAM_COLUMNS = 4096
 """Numbers of a matrix up to which `streamed` keeps the Gram matrix of all vertices, at most 128 MB."""
 
-_FIRST = 128
-"""The K that is tried first where an accuracy decides."""
+_FIRST = 96
+"""The K that is tried first where an accuracy decides; and then four times as many."""
 
 _MORE = 8
 """Components beyond those that the iteration thinks are enough, which the last pass then decides."""
@@ -182,8 +182,9 @@ def streamed(
     while True:
         columns = min(size, count + max(16, count // 2))
         X = np.concatenate([X, rng.standard_normal((size, columns - X.shape[1]))], axis=1)
-        for _ in range(passes):
-            X = np.linalg.qr(gram.times(X))[0]
+        for _ in range(passes - 1):
+            X = _conditioned(gram.times(X))
+        X = np.linalg.qr(gram.times(X))[0]
         values, vectors = _descending(X.T @ gram.times(X))
         if accuracy is None or count == most:
             break
@@ -191,7 +192,7 @@ def streamed(
         if enough.any():
             count = min(int(enough.argmax()) + 1 + _MORE, most)
             break
-        count = min(2 * count, most)
+        count = min(4 * count, most)
     X = X @ vectors[:, :count]
     Y, outside = _projected(read, X, sides, shape[1:])
     # Components are orthonormal: each keeps the energy of its own coordinates
@@ -218,6 +219,16 @@ class _Sides:
         along_v = factor @ rows.reshape(len(rows), M, -1)
         along_u = factor @ along_v.reshape(len(rows) * M, M, -1)
         return np.asarray(along_u.reshape(rows.shape))
+
+
+def _conditioned(X: FloatArray) -> FloatArray:
+    """Return columns that span the same and are far from dependent, at the cost of a product."""
+    S = X.T @ X
+    shift = 1e-12 * np.trace(S)
+    if shift == 0:
+        return X
+    L = np.linalg.cholesky(S + shift * np.eye(len(S)))
+    return np.asarray(X @ np.linalg.inv(L).T)
 
 
 class _Gram:

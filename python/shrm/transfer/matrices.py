@@ -142,13 +142,13 @@ class Matrices:
         def make(part: slice) -> Float32Array:
             block = visibility[part.start // visibility.block]
             if inner is not None:
-                rows = rotated(accumulate(inner, block.visible, Y), self.frames[part])
+                rows = accumulate(inner, block.visible, Y, self.frames[part])
                 if leaving is not None:
                     _reflect(rows[:, :, None], inner[:, None], block, visibility, leaving)
                 return rows
             total = np.zeros((len(block.visible), self.tents * self.channels, self.n**2), np.float32)
             for made, share in self._shares(part):
-                rows = rotated(accumulate(made.rays, block.visible, Y), self.frames[part])
+                rows = accumulate(made.rays, block.visible, Y, self.frames[part])
                 rows = self._as_channels(rows)
                 if leaving is not None:
                     by_channel = rows.reshape(len(rows), self.tents, self.channels, -1)

@@ -13,17 +13,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shrm.directional_basis import MOST_TENTS, DirectionalBasis
+from shrm.directional_basis import DirectionalBasis
 from shrm.transfer.lighting import Compressed, Lighting, Tents
+from shrm.transfer.surface import MOST_ORDER, MOST_TENTS
 from shrm.validation import one_of, real_array, whole_number
 
 Array = npt.NDArray[np.floating]
 
 VARIANTS = ("unshadowed", "shadowed", "interreflected")
 """The names of variants: light that reaches a vertex straight, or past the rest of the object, or from it."""
-
-MOST_LIGHT = 10
-"""The largest order n of light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +94,7 @@ class RadianceTransfer:
     report: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.n, self.M = whole_number("n", self.n, 1, MOST_LIGHT), whole_number("M", self.M, 2, MOST_TENTS)
+        self.n, self.M = whole_number("n", self.n, 1, MOST_ORDER), whole_number("M", self.M, 2, MOST_TENTS)
         if self.channels not in (1, 3):
             raise ValueError(f"channels must be 1 or 3, got {self.channels!r}")
         self.vertices = _rows("vertices", self.vertices, (None, 3))
