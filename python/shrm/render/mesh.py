@@ -167,6 +167,12 @@ class Mesh:
         return unit(sums[place])
 
     @cached_property
+    def ball(self) -> tuple[FloatArray, float]:
+        """Centre (3,) of the bounding box, and radius of the ball about it that holds all vertices."""
+        center = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
+        return center, float(np.linalg.norm(self.vertices - center, axis=1).max())
+
+    @cached_property
     def vertex_tangents(self) -> FloatArray | None:
         """Means (n, 3) of the tangents at vertices, of any length; None without a field of its own."""
         if self.tangents is None:
