@@ -38,7 +38,10 @@ def refused(message: str, mesh: Surface, material: Any = TWO[0], **options: Any)
         ),
         ({"vertices": with_value(VERTICES, np.inf)}, "vertices must be finite"),
         ({"vertices": VERTICES[:, :2]}, r"vertices must have the shape \(k, 3\), got \(162, 2\)"),
-        ({"vertices": VERTICES[:0], "vertex_normals": NORMALS[:0]}, "faces must name vertices"),
+        (
+            {"vertices": VERTICES[:0], "vertex_normals": NORMALS[:0]},
+            "vertices must have at least one, got none",
+        ),
         ({"vertices": VERTICES.astype(complex)}, "vertices must be an array of real numbers"),
         ({"faces": FACES[:0]}, "faces must have at least one, got none"),
         ({"faces": []}, r"faces must have the shape \(T, 3\), got \(0,\)"),

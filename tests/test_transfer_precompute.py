@@ -148,19 +148,16 @@ def test_without_occlusion_it_is_plain_shading(material, transfer, variant):
 
 
 def test_it_is_what_prefiltering_says():
-    mesh, light = moved(ball(2), random_rotation(6)), random_light(5, 7) * 0.2 + white(5) * 0.3
-    environment = Environment(np.maximum(sh.synthesis(light, 64, 128), 0).astype(np.float32))
-    light = environment.coefficients(4)
-    smooth = Environment(sh.synthesis(light, 64, 128).astype(np.float32))
-    held = transferred(mesh, brdf.GGX(0.4), n=5, M=9, variants=("unshadowed",))
-    view = np.array([0.6, 0.0, 0.8])
+    mesh, view = moved(ball(2), random_rotation(6)), np.array([0.6, 0.0, 0.8])
+    pixels = sh.synthesis(white(5) + 0.3 * random_light(5, 7), 64, 128)
+    environment = Environment(pixels.astype(np.float32))
     up = mesh[2] @ view > 0.1
-    map_of_it = prefilter(smooth, brdf.GGX(0.4), tolerance=0.01)
-    expected = map_of_it.radiance(mesh[2][up], np.tile(view, (up.sum(), 1)))
-    actual = radiance(held, "unshadowed", light, view)[up]
+    reflection = prefilter(environment, brdf.GGX(0.4), tolerance=0.01)
+    expected = reflection.radiance(mesh[2][up], np.tile(view, (up.sum(), 1)))
+    held = transferred(mesh, brdf.GGX(0.4), n=5, M=9, variants=("unshadowed",))
+    actual = radiance(held, "unshadowed", environment.coefficients(4), view)[up]
     error = 10 ** (-held.report["SNR of matrices"] / 20)
-    # white light is a small part of what the report's error is of, and most of this light
-    assert oracles.relative_rms(actual, expected) < error + 2 * map_of_it.error
+    assert oracles.relative_rms(actual, expected) < error + 2 * reflection.error
 
 
 # ---- Linearity and rotation
