@@ -42,6 +42,9 @@ SAMPLE = 48
 _FINER = 4
 """How many times as many rays they cast."""
 
+_COORDINATES = 256
+"""Components whose coordinates clusters are found among."""
+
 _FACTORED = 2048
 """Columns up to which exact components are found as fast as random ones."""
 
@@ -267,7 +270,7 @@ def _compressed(
     """Components of a variant, as many as the accuracy takes or as are asked for."""
     asked: dict[str, Any] = {"accuracy": accuracy} if K is None else {"K": K}
     if clusters is not None:
-        asked = {}
+        asked = {"K": min(_COORDINATES, factors.rows[0].size)}
     outer = factors.outer
     if outer is not None and outer.shape[1] * n * n <= _FACTORED:
         P = outer.reshape(factors.tents, factors.channels, -1)

@@ -134,9 +134,9 @@ def product(
         Q = weight * _projected(brdf, basis, views, view_weights, directions)
         return Product(basis, brdf.channels, path, _float32(_corrected(Q, B, Y)), B)
     s = path.inner
-    P, B = (_outer(brdf, basis, order, path, points) for order in (s, n))
-    orders = max(s, n)
-    T = hemispherical_gram(orders)[: s * s, : n * n]  # of light that nothing hides but the surface
+    widest = _outer(brdf, basis, max(s, n), path, points)
+    P, B = widest[:, : s * s], widest[:, : n * n]
+    T = hemispherical_gram(max(s, n))[: s * s, : n * n]  # of light that nothing hides but the surface
     inner = _corrected(weight * harmonics(directions, s).T, T, Y)
     return Product(
         basis, brdf.channels, path, _float32(P @ inner), B, outer=_float32(P), inner=_float32(inner)
@@ -242,7 +242,8 @@ def _sampled(brdf: BRDF, views: FloatArray, directions: FloatArray) -> FloatArra
 
 def _corrected(Q: FloatArray, wanted: FloatArray, Y: FloatArray) -> FloatArray:
     """The matrix nearest to Q that makes `wanted` of the harmonics Y (D, n^2)."""
-    return Q + (wanted - Q @ Y) @ np.linalg.pinv(Y)
+    orthonormal, R = np.linalg.qr(Y)
+    return np.asarray(Q + ((wanted - Q @ Y) @ np.linalg.pinv(R)) @ orthonormal.T)
 
 
 def _float32(array: FloatArray) -> Float32Array:
