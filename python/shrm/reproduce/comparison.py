@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -112,6 +112,22 @@ class Truth:
         return Judged(this, picture, relative_rms(picture, self.picture), frames_error)
 
 
+class Pictured(Protocol):
+    """What there is a picture of."""
+
+    @property
+    def picture(self) -> Picture:
+        """Linear."""
+
+
+class Compared(Pictured, Protocol):
+    """What a picture is held against another for."""
+
+    @property
+    def error(self) -> float:
+        """Relative RMS, colours pooled."""
+
+
 @dataclass(frozen=True)
 class Block:
     """Two lines of a figure: the correct picture and others, and below them what they are off by.
@@ -120,14 +136,17 @@ class Block:
     ----------
     name : str
         Of the material.
-    truth : Truth
-    columns : sequence of (str, Judged)
+    truth : Pictured
+    columns : sequence of (str, Compared)
         Titles, of two lines, and what stands below them.
+    correct : str
+        The title of the correct picture.
     """
 
     name: str
-    truth: Truth
-    columns: Sequence[tuple[str, Judged]]
+    truth: Pictured
+    columns: Sequence[tuple[str, Compared]]
+    correct: str = "correct"
 
 
 CELL, LABEL, TITLE, GAP = 1.75, 0.35, 0.5, 0.45  # inches
@@ -159,7 +178,7 @@ def draw_blocks(blocks: Sequence[Block], beside: float = 0.0) -> Figure:
 
     for k, block in enumerate(blocks):
         axes = place(block.truth.picture, k, 0, 0)
-        axes.set_title("correct", fontsize=9)
+        axes.set_title(block.correct, fontsize=9)
         axes.set_ylabel(block.name, fontsize=9)
         for column, (title, judged) in enumerate(block.columns, start=1):
             place(judged.picture, k, 0, column).set_title(title, fontsize=9)
@@ -171,7 +190,7 @@ def draw_blocks(blocks: Sequence[Block], beside: float = 0.0) -> Figure:
 
 
 def unclipped(picture: Picture) -> float:
-    """Stops that put the 98th percentile of a sphere's strongest colour at its limit: little is clipped."""
+    """Stops that put the 98th percentile of what is covered, in its strongest colour, at its limit."""
     bright = np.percentile(picture.radiance[picture.coverage >= 0.5].max(axis=-1), 98.0)
     return -float(np.log2(bright)) if bright > 0 else 0.0
 

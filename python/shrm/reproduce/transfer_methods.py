@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from shrm import brdf
 from shrm.brdf_matrix import rows
-from shrm.reproduce.transfer_reference import Reference
+from shrm.reproduce.transfer_reference import VERTICES, VIEWS, Reference
 from shrm.reproduce.transfer_subject import Subject, n
 from shrm.transfer.lighting import (
     Compressed,
@@ -34,7 +34,8 @@ from shrm.transfer.lighting import (
     parabolic_map,
     zonal_kernel,
 )
-from shrm.transfer.object import Variant
+from shrm.transfer.object import RadianceTransfer, Variant
+from shrm.transfer.product import Path as Way
 from shrm.transfer.product import accumulate, harmonics, product, published, rotated, view_rows
 
 Float32Array = npt.NDArray[np.float32]
@@ -47,8 +48,9 @@ PHONG = brdf.Phong(10)
 
 FEW, TENTS = 7, 11
 COMPONENTS = (10, 25)  # K
-STORED = 128
-ACCURACY = 24.0  # that the last K is chosen for, in dB
+ACCURACY, QUICK_ACCURACY = 24.0, 12.0  # that the last K is chosen for, in dB
+SAMPLES = 64  # along each side of the parabolic map
+SECONDS = 0.5  # in which the frames of one way are timed
 
 EVERY = slice(None)
 ROTATIONS = sum((2 * l + 1) ** 2 for l in range(n))  # numbers of R_p
@@ -71,6 +73,8 @@ class Judged:
         Relative SNR of radiance, in dB.
     published : float or None
         The same by way of the expansions of [LK03], where that is another way.
+    K : int or None
+        Principal components, where there are any.
     """
 
     method: str
@@ -80,6 +84,7 @@ class Judged:
     bytes: int
     snr: float
     published: float | None
+    K: int | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,34 +97,35 @@ class _Candidate:
     bytes: int
     make: Callable[[Vertices], Lighting]
     make_published: Callable[[Vertices], Lighting] | None = None
+    K: int | None = None
 
 
-def compare(subject: Subject, seconds: float = 0.5) -> list[Judged]:
+def compare(subject: Subject, quick: bool = False) -> list[Judged]:
     """Light an object in all ways, shadowed and not.
 
     Parameters
     ----------
     subject : Subject
-    seconds : float
-        In which the frames of one way are timed.
+    quick : bool
+        Whether to look at less.
 
     Returns
     -------
     list of Judged
         Way by way, each shadowed, then not.
     """
-    references = {material: Reference(subject, material) for material in (GLOSSY, MATT, PHONG)}
+    extent = (VERTICES // 4, VIEWS // 4) if quick else (VERTICES, VIEWS)
+    references = {material: Reference(subject, material, *extent) for material in (GLOSSY, MATT, PHONG)}
     found = []
-    for one in _candidates(subject):
+    for one in _candidates(subject, *((16, QUICK_ACCURACY) if quick else (SAMPLES, ACCURACY))):
         reference = references[one.material]
         snr = reference.snr(one.make(reference.at), one.shadowed)
         by_harmonics = None
         if one.make_published is not None:
             by_harmonics = reference.snr(one.make_published(reference.at), one.shadowed)
-        taken = frame_seconds(one.make(EVERY), seconds)
-        found.append(
-            Judged(one.method, one.material.name, one.shadowed, taken, one.bytes, snr, by_harmonics)
-        )
+        taken = frame_seconds(one.make(EVERY), 0.0 if quick else SECONDS)
+        about = one.method, one.material.name, one.shadowed
+        found.append(Judged(*about, taken, one.bytes, snr, by_harmonics, one.K))
     return found
 
 
@@ -138,41 +144,36 @@ def frame_seconds(lighting: Lighting, seconds: float) -> float:
     return median(taken[2:])  # what is read first comes from far
 
 
-def _candidates(subject: Subject) -> Iterator[_Candidate]:
-    yield from _projections(subject)
+def _candidates(subject: Subject, samples: int, accuracy: float) -> Iterator[_Candidate]:
+    yield from _projections(subject, samples)
     theirs = subject.precomputed(GLOSSY, M=TENTS, path=published(n), K=COMPONENTS[-1], half=False)
     for M in (FEW, TENTS):
-        made = subject.precomputed(GLOSSY, M=M, K=STORED if M == TENTS else 1, matrices=True)
-        for shadowed, variant in _by_shadows(made.variants):
+        few = {"K": 1} if M == FEW else {}
+        made = subject.precomputed(GLOSSY, M=M, path=Way(), accuracy=accuracy, matrices=True, **few)
+        for shadowed, variant in _by_shadows(made):
             yield _tents(subject, M, shadowed, variant)
     for K in COMPONENTS:
-        for shadowed, variant in _by_shadows(made.variants):
+        for shadowed, variant in _by_shadows(made):
+            _, other = next(pair for pair in _by_shadows(theirs) if pair[0] == shadowed)
             name = f"{TENTS} x {TENTS} tents, PCA, K = {K}"
-            yield _compressed(subject, name, K, shadowed, variant, theirs.variants[_variant(shadowed)])
-    for shadowed, variant in _by_shadows(made.variants):
-        snr = np.array(made.report["compression"][_variant(shadowed)]["SNR of 1 to K"], float)
-        enough = np.flatnonzero(snr >= ACCURACY)
-        K = int(enough[0]) + 1 if len(enough) else variant.K
-        name = f"{TENTS} x {TENTS} tents, PCA to {ACCURACY:g} dB"
-        yield _compressed(subject, name, K, shadowed, variant)
+            yield _compressed(subject, name, K, shadowed, variant, other)
+    for shadowed, variant in _by_shadows(made):
+        name = f"{TENTS} x {TENTS} tents, PCA to {accuracy:g} dB"
+        yield _compressed(subject, name, variant.K, shadowed, variant)
     yield from _sloans(subject)
 
 
-def _variant(shadowed: bool) -> str:
-    return "shadowed" if shadowed else "unshadowed"
-
-
-def _by_shadows(variants: dict[str, Variant]) -> Iterator[tuple[bool, Variant]]:
-    return ((shadowed, variants[_variant(shadowed)]) for shadowed in (True, False))
+def _by_shadows(made: RadianceTransfer) -> tuple[tuple[bool, Variant], tuple[bool, Variant]]:
+    return (True, made.variants["shadowed"]), (False, made.variants["unshadowed"])
 
 
 # ---- Each way
 
 
-def _projections(subject: Subject) -> Iterator[_Candidate]:
+def _projections(subject: Subject, side: int) -> Iterator[_Candidate]:
     """[KSS02]: T, a rotation, and the material's row at the view."""
     vertices, frames = subject.mesh.vertices, subject.frames
-    samples = parabolic_map(GLOSSY, n)
+    samples = parabolic_map(GLOSSY, n, side)
 
     def made(transfer: Float32Array | None, prerotated: bool = False) -> Callable[[Vertices], Lighting]:
         return lambda at: Projection(
@@ -216,11 +217,13 @@ def _compressed(
 
     def of(one: Variant) -> Callable[[Vertices], Lighting]:
         weights, components = _held(one)
-        return lambda at: Compressed(vertices[at], frames[at], weights[at], components, K=K)
+        used = min(K, one.K)  # of simple objects there are not as many
+        return lambda at: Compressed(vertices[at], frames[at], weights[at], components, K=used)
 
     weights, components = _held(variant)
     size = weights[:, :K].nbytes + components[:K].nbytes
-    return _Candidate(name, GLOSSY, shadowed, size, of(variant), None if theirs is None else of(theirs))
+    by_harmonics = None if theirs is None else of(theirs)
+    return _Candidate(name, GLOSSY, shadowed, size, of(variant), by_harmonics, min(K, variant.K))
 
 
 def _held(variant: Variant) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
