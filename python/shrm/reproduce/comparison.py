@@ -141,12 +141,15 @@ class Block:
         Titles, of two lines, and what stands below them.
     correct : str
         The title of the correct picture.
+    gain : float
+        What differences are multiplied by.
     """
 
     name: str
     truth: Pictured
     columns: Sequence[tuple[str, Compared]]
     correct: str = "correct"
+    gain: float = 1.0
 
 
 CELL, LABEL, TITLE, GAP = 1.75, 0.35, 0.5, 0.45  # inches
@@ -173,7 +176,8 @@ def draw_blocks(blocks: Sequence[Block], beside: float = 0.0) -> Figure:
         top = TITLE + block * (2 * CELL + GAP) + line * CELL
         corner = (LABEL + CELL * column) / width, (height - top - CELL) / height
         axes = figure.add_axes((*corner, CELL / width, CELL / height))
-        show(axes, picture, exposures[block])
+        gain = float(np.log2(blocks[block].gain)) if line == 1 else 0.0
+        show(axes, picture, exposures[block] + gain)
         return axes
 
     for k, block in enumerate(blocks):
@@ -185,7 +189,8 @@ def draw_blocks(blocks: Sequence[Block], beside: float = 0.0) -> Figure:
             axes = place(difference(judged.picture, block.truth.picture), k, 1, column)
             caption(axes, f"{judged.error:.1%}")
             if column == 1:
-                axes.set_ylabel("difference", fontsize=9)
+                times = "" if block.gain == 1.0 else f" x {block.gain:g}"
+                axes.set_ylabel(f"difference{times}", fontsize=9)
     return figure
 
 

@@ -21,7 +21,7 @@ NAME = "lk-figure-5"
 
 TENTS = 11
 PAPER = {3: 950, 10: 285, 20: 142, 50: None}
-"""[LK03 figure 5], by K: how many times smaller, at 50000 vertices. K = 50 is what it finds good with shadows."""
+"""[LK03 figure 5], by K: how many times smaller, at 50000 vertices. With shadows it finds 50 good."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def make(settings: Settings) -> Result:
         blocks.append(Block(case.name, truth, columns, "uncompressed"))
     return Result(
         NAME,
-        f"{this.name.capitalize()} from principal components, {settings.env_name}",
+        f"From few and many principal components, {this.name}, {settings.env_name}",
         COLUMNS,
         rows,
         _notes(this),

@@ -56,7 +56,7 @@ def make(settings: Settings) -> Result:
     found = compare(this, settings.quick)
     return Result(
         NAME,
-        f"Ways to light {this.name}, with self-shadowing and without",
+        f"Ways to light an object with transfer, {this.name}",
         COLUMNS,
         table(found),
         _notes(this, found),
@@ -92,8 +92,8 @@ def _notes(this: Subject, found: Sequence[Judged]) -> list[str]:
     glossy, phong = found[0].material, found[-1].material
     return [
         note(this),
-        f"Lighting only, as in [LK03]: {threads()} threads here, one of a Pentium 4 at 2.26 GHz there, 50000 "
-        "vertices; its bird was shadowed and its head was not. Light of order 5, three colours; eye and light "
+        f"Lighting only, as in [LK03]: {threads()} threads here, a Pentium 4 at 2.26 GHz and 50000 vertices "
+        "there; its bird was shadowed and its head was not. Light of order 5, three colours; eye and light "
         "move between frames. Median wall times.",
         f"The material is {glossy}, for the matt row Lambert's, for the convolution {phong}.",
         f"SNR: radiance from {VERTICES} vertices towards viewers in {VIEWS} directions, over the error "
@@ -109,25 +109,26 @@ def _notes(this: Subject, found: Sequence[Judged]) -> list[str]:
 
 
 def _draw(found: Sequence[Judged]) -> Figure:
-    figure, axes = panels(1, 2, 11.0, 4.4)
+    figure, axes = panels(1, 2, 11.0, 4.6)
+    widest = 40 * max(1 / one.seconds for one in found)  # with room for what stands beside a bar
     for panel, shadowed in zip(axes, (True, False), strict=True):
         these = [one for one in found if one.shadowed == shadowed]
         at = np.arange(len(these))[::-1]
-        panel.barh(at, [1 / one.seconds for one in these], 0.62, color=COLORS[0], label="shrm")
-        marked = [(y, PAPER[one.method][not shadowed]) for y, one in zip(at, these, strict=True) if one.method in PAPER]
-        panel.plot([x for _, x in marked], [y for y, _ in marked], "D", color=COLORS[1], label="[LK03]")
-        for y, one in zip(at, these, strict=True):
-            panel.annotate(
-                f"{one.snr:.1f} dB",
-                (1 / one.seconds, y),
-                xytext=(4, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=8,
-            )
-        panel.set(xscale="log", xlabel="frames per second", xlim=(1.0, 8 * max(1 / one.seconds for one in these)))
+        speeds = [1 / one.seconds for one in these]
+        panel.barh(at, speeds, 0.62, color=COLORS[0], label="shrm")
+        theirs = [
+            (PAPER[one.method][not shadowed], y)
+            for y, one in zip(at, these, strict=True)
+            if one.method in PAPER
+        ]
+        panel.plot(*zip(*theirs, strict=True), "D", color=COLORS[3], label="[LK03]", linestyle="")
+        for y, speed, one in zip(at, speeds, these, strict=True):
+            panel.text(1.15 * speed, y, f"{one.snr:.1f} dB", va="center", fontsize=8)
+        panel.set(xscale="log", xlabel="frames per second", xlim=(1.0, widest))
         panel.set_yticks(at, [one.method for one in these], fontsize=8)
         panel.set_title("self-shadowing" if shadowed else "no shadows", fontsize=10)
+        panel.grid(False, axis="y")
         plain_log(panel.xaxis)
-        panel.legend(frameon=False, fontsize=8, loc="lower right")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, frameon=False, fontsize=8, loc="outside lower center", ncols=2)
     return figure

@@ -115,7 +115,8 @@ def compare(subject: Subject, quick: bool = False) -> list[Judged]:
         Way by way, each shadowed, then not.
     """
     extent = (VERTICES // 4, VIEWS // 4) if quick else (VERTICES, VIEWS)
-    references = {material: Reference(subject, material, *extent) for material in (GLOSSY, MATT, PHONG)}
+    materials: tuple[brdf.BRDF, ...] = (GLOSSY, MATT, PHONG)
+    references = {material: Reference(subject, material, *extent) for material in materials}
     found = []
     for one in _candidates(subject, *((16, QUICK_ACCURACY) if quick else (SAMPLES, ACCURACY))):
         reference = references[one.material]

@@ -50,6 +50,10 @@ class Reference:
     ----------
     at : (k,) int
         The vertices, in ascending order.
+    views : (v, 3) float64
+        Unit vectors to the viewers.
+    seen : (k, v) bool
+        Which viewers are above which vertices.
     """
 
     def __init__(
@@ -58,17 +62,17 @@ class Reference:
         rng = np.random.default_rng(20030428)
         of_faces = np.unique(subject.mesh.faces)
         self.at = np.sort(rng.choice(of_faces, min(vertices, len(of_faces)), replace=False))
-        self._views = rng.normal(size=(views, 3))
-        self._views /= np.linalg.norm(self._views, axis=1, keepdims=True)
+        self.views = rng.normal(size=(views, 3))
+        self.views /= np.linalg.norm(self.views, axis=1, keepdims=True)
         self._frames, self._subject = subject.frames[self.at], subject
-        local = np.einsum("pca,vc->pva", self._frames, self._views)
-        self._seen = local[:, :, 2] > _LOWEST  # (vertices, views)
-        self._rays = view_rows(material, local[self._seen], n, subject.rays)  # (pairs, D)
+        local = np.einsum("pca,vc->pva", self._frames, self.views)
+        self.seen = local[:, :, 2] > _LOWEST
+        self._rays = view_rows(material, local[self.seen], n, subject.rays)  # (pairs, D)
         self._Y = harmonics(subject.rays, n).astype(np.float32)
 
     def rows(self, shadowed: bool) -> Float32Array:
         """Return radiance of each pair of a vertex and a view that it sees, (pairs, n^2)."""
-        vertex, _ = np.nonzero(self._seen)
+        vertex, _ = np.nonzero(self.seen)
         rays = self._rays
         if shadowed:
             rays = rays * self._subject.visible(self.at)[vertex]
@@ -83,40 +87,59 @@ class Reference:
             Of these vertices alone, with one channel.
         shadowed : bool
         """
-        found = np.empty((*self._seen.shape, n * n), np.float32)
-        for v, view in enumerate(self._views):
+        found = np.empty((*self.seen.shape, n * n), np.float32)
+        for v, view in enumerate(self.views):
             for first in range(0, n * n, 3):  # one harmonic for each of the three colours
                 count = min(3, n * n - first)
                 light = np.zeros((n * n, 3))
                 light[first + np.arange(count), np.arange(count)] = 1.0
                 found[:, v, first : first + count] = lighting.radiance(light, view=view)[:, :count]
-        return relative_snr(self.rows(shadowed), found[self._seen])
+        return relative_snr(self.rows(shadowed), found[self.seen])
 
 
 def radiance(
-    subject: Subject, material: BRDF, light: npt.ArrayLike, eye: npt.ArrayLike, shadowed: bool
+    subject: Subject,
+    material: BRDF,
+    light: npt.ArrayLike,
+    eye: npt.ArrayLike,
+    shadowed: bool,
+    at: npt.NDArray[np.int64],
 ) -> Float32Array:
-    """Return the radiance (V, 3) of all vertices towards an eye, under light (n^2, 3).
+    """Return the radiance of vertices towards an eye, summed over rays; the others are left black.
 
-    Sums over rays; vertices that look away from the eye are left black.
+    Parameters
+    ----------
+    subject : Subject
+    material : BRDF
+        Of one channel.
+    light : (n^2, 3) array_like
+    eye : (3,) array_like
+    shadowed : bool
+    at : (k,) int
+        Vertices, in ascending order.
+
+    Returns
+    -------
+    (V, 3) float32
     """
     rays = subject.rays if shadowed else local_directions(_FINER * subject.directions)
     Y = harmonics(rays, n)
-    towards = np.asarray(eye) - subject.mesh.vertices
-    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
-    views = np.einsum("pca,pc->pa", subject.frames, towards)
-    # Of a face that is seen some corner may look away
-    looking = np.flatnonzero(views[:, 2] > -0.3)
-    views[:, 2] = np.maximum(views[:, 2], _LOWEST)
-    views /= np.linalg.norm(views, axis=1, keepdims=True)
+    views = local_views(subject, eye)
     result = np.zeros((subject.size, 3), np.float32)
-    for start in range(0, len(looking), _TOGETHER):
-        at = looking[start : start + _TOGETHER]
-        wi, wo = np.tile(rays, (len(at), 1)), np.repeat(views[at], len(rays), axis=0)
-        reflected = material.transfer(wi, wo).reshape(len(at), len(rays))
+    for start in range(0, len(at), _TOGETHER):
+        some = at[start : start + _TOGETHER]
+        wi, wo = np.tile(rays, (len(some), 1)), np.repeat(views[some], len(rays), axis=0)
+        reflected = material.transfer(wi, wo).reshape(len(some), len(rays))
         if shadowed:
-            reflected = np.where(subject.visible(at), reflected, 0.0)
-        gathered = reflected @ Y  # (k, n^2)
-        local = local_coefficients(light, subject.frames[at])
-        result[at] = 2 * np.pi / len(rays) * np.einsum("kj,kjc->kc", gathered, local)
+            reflected = np.where(subject.visible(some), reflected, 0.0)
+        local = local_coefficients(light, subject.frames[some])
+        result[some] = 2 * np.pi / len(rays) * np.einsum("kj,kjc->kc", reflected @ Y, local)
     return result
+
+
+def local_views(subject: Subject, eye: npt.ArrayLike) -> FloatArray:
+    """Return the views of an eye in the frames of all vertices, (V, 3); none below the horizon."""
+    views = np.einsum("pca,pc->pa", subject.frames, np.asarray(eye) - subject.mesh.vertices)
+    across = np.linalg.norm(views[:, :2], axis=1)
+    views[:, 2] = np.maximum(views[:, 2], _LOWEST * across)
+    return np.asarray(views / np.linalg.norm(views, axis=1, keepdims=True))

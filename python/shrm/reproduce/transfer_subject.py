@@ -9,10 +9,12 @@ References
 
 from __future__ import annotations
 
+import shutil
 import warnings
+import weakref
 from functools import cached_property, lru_cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 from typing import Any
 
 import numpy as np
@@ -40,6 +42,8 @@ n = 5
 DIRECTIONS, QUICK = 4096, 512
 """Rays over a sphere; half of them are cast from each vertex."""
 
+KNOT = "a knot"
+
 
 class Subject:
     """An object that shadows itself.
@@ -63,7 +67,8 @@ class Subject:
 
     def __init__(self, mesh: Mesh, name: str, directions: int) -> None:
         self.mesh, self.name, self.directions = mesh, name, directions
-        self._folder = TemporaryDirectory(prefix="shrm-reproduce-")
+        self._folder = Path(mkdtemp(prefix="shrm-reproduce-"))
+        weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
         self._tangents = np.cross([0.0, 0.0, 1.0], mesh.vertex_normals)
         self.frames = vertex_frames(mesh.vertex_normals, self._tangents)
         self.rays = local_directions(directions)
@@ -77,7 +82,7 @@ class Subject:
     def visibility(self) -> Visibility:
         """What the vertices see."""
         # Where `precompute` looks for it: it casts no ray twice
-        folder = Path(self._folder.name) / "rays"
+        folder = self._folder / "rays"
         seen = Visibility(folder, self.mesh.vertices, self.mesh.faces, self.frames, self.rays)
         seen.compute()
         return seen
@@ -119,7 +124,7 @@ class Subject:
                 tangents=self._tangents,
                 n=n,
                 directions=self.directions,
-                work=self._folder.name,
+                work=self._folder,
                 **options,
             )
 
@@ -132,7 +137,7 @@ def subject(settings: Settings) -> Subject:
 @lru_cache(maxsize=1)
 def _read(path: Path | None, quick: bool) -> Subject:
     if path is None:
-        mesh, name = knot(64, 12) if quick else knot(), "a knot"
+        mesh, name = knot(64, 12) if quick else knot(), KNOT
     else:
         mesh, name = Mesh.read(path), path.stem
     return Subject(mesh.placed(radius=1.0), name, QUICK if quick else DIRECTIONS)
@@ -140,5 +145,5 @@ def _read(path: Path | None, quick: bool) -> Subject:
 
 def note(this: Subject) -> str:
     """Say what the object is."""
-    said = f"The object is {this.name}: {this.size} vertices, {len(this.rays)} rays from each."
-    return said if this.name != "a knot" else f"{said} [LK03] show a bird and a head: give a mesh with --mesh."
+    said = f"The object: {this.name}, {this.size} vertices, {len(this.rays)} rays from each."
+    return said if this.name != KNOT else f"{said} [LK03] show a bird and a head: give a mesh with --mesh."
