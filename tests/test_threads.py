@@ -13,6 +13,9 @@ import sys
 import numpy as np
 from shrm import Environment, brdf, prefilter, prefilter_hierarchical, sh
 from shrm.reference import prefilter_angular
+from shrm.transfer.lighting import (
+    Compressed, Convolution, Diffuse, FixedLight, FixedView, Projection, Tents,
+)
 
 env = Environment.daylight(size=64)
 material = brdf.Lambert(0.5) + brdf.GGX(0.2, f0=(1.0, 0.8, 0.3))
@@ -38,6 +41,30 @@ results["half-angle map"] = facets.at_view([0.6, 0, 0.8])
 descent = prefilter_hierarchical(env, brdf.Phong(64) + brdf.Lambert(0.5), threshold=1e-3, size=24)
 for centre, pixels in descent.at_view([0, 0, 1]).items():
     results[f"hierarchical, {centre}"] = pixels
+
+T = np.cross(N, V)
+T /= np.linalg.norm(T, axis=1, keepdims=True)
+surface = V, np.stack([T, np.cross(N, T), N], axis=2)  # vertices and frames
+for n, M, dtype in ((3, 4, np.float32), (5, 7, np.float32), (5, 7, np.float16), (6, 3, np.float16)):
+    light, matrices = rng.normal(size=(n * n, 3)), rng.normal(size=(300, M * M, 3, n * n)).astype(dtype)
+    weights, components = rng.normal(size=(300, 9)).astype(dtype), rng.normal(size=(4, 9, M * M, 1, n * n))
+    shadows = rng.normal(size=(300, n * n, n * n)).astype(dtype)
+    rows, kernel, clusters = rng.normal(size=(8, 8, 1, n * n)), np.linspace(1, 0.2, n), np.arange(300) % 4
+    ways = {
+        "tents": Tents(*surface, matrices),
+        "one channel": Tents(*surface, matrices[:, :, :1]),
+        "compressed": Compressed(*surface, weights, components[0], K=7),
+        "clustered": Compressed(*surface, weights, components, clusters),
+        "projection": Projection(*surface, rows, shadows),
+        "prerotated": Projection(*surface, rows, shadows, prerotated=True),
+        "unshadowed": Projection(*surface, rows),
+        "convolution": Convolution(*surface, kernel, shadows),
+        "unshadowed convolution": Convolution(*surface, kernel),
+        "diffuse": Diffuse(shadows[:, :3]),
+    }
+    ways["fixed light"], ways["fixed view"] = FixedLight(ways["compressed"]), FixedView(ways["tents"])
+    for name, lighting in ways.items():
+        results[f"{name}, {n}, {dtype.__name__}"] = lighting.radiance(light, eye=[1.5, -0.7, 0.9])
 np.savez(sys.argv[1], **results)
 """
 

@@ -129,7 +129,8 @@ def test_blocks_from_anywhere_give_the_same_and_are_read_as_often_as_said(tmp_pa
     whole = streamed(A, K=8)
     parts = streamed(blocks, K=8, passes=2)
     mapped = streamed(np.load(tmp_path / "A.npy", mmap_mode="r"), K=8)
-    assert len(reads) == 1 + (1 if columns else 2) + 1  # the shape, the Gram matrix or two passes, the last
+    # The shape, the Gram matrix or two passes and the values, the last
+    assert len(reads) == 1 + (1 if columns else 3) + 1
     np.testing.assert_array_equal(mapped.weights, whole.weights)
     np.testing.assert_allclose(parts.snr, whole.snr, atol=0.1)
 
@@ -174,7 +175,7 @@ def test_the_snr_is_that_of_random_views_and_lights():
 
 
 def test_as_many_components_as_the_accuracy_takes(columns, monkeypatch):
-    monkeypatch.setattr(compression, "_FIRST", 4)  # and then twice as many, again and again
+    monkeypatch.setattr(compression, "_FIRST", 4)  # and then four times as many, again and again
     A = slow_matrices(150, 1, seed=10)
     snr = exact(A).snr
     for accuracy in (5.0, 12.0, 20.0):

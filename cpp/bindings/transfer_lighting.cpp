@@ -164,7 +164,7 @@ void projected(const TransferSurface& surface, const Array<float>& samples, bool
     if (rotations) {
         int values = 0;
         for (int l = 0; l * l < terms; ++l) values += (2 * l + 1) * (2 * l + 1);
-        require_shape(*rotations, "rotations", {surface.vertices() + 1, values});
+        require_shape(*rotations, "rotations", {py::ssize_t(surface.vertices()) * values + rotation_room});
         bands = view(*rotations);
     }
     const TransferValues matrices = optional_transfer(transfer, surface.vertices(), terms);

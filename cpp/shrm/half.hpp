@@ -60,6 +60,17 @@ inline Floats load(const Half* from) {
 #endif
 }
 
+inline Floats load_first(const Half* from, int count) {
+#if defined(__AVX512BW__) && defined(__AVX512VL__)
+    const auto these = static_cast<__mmask16>((1u << count) - 1);
+    return Floats(_mm512_maskz_cvtph_ps(0xffff, _mm256_maskz_loadu_epi16(these, from)));
+#else
+    Floats v{};
+    for (int i = 0; i < count; ++i) v[i] = float_from(from[i]);
+    return v;
+#endif
+}
+
 inline void store(Half* to, Floats v) {
 #if defined(__AVX512F__)
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm512_maskz_cvtps_ph(0xffff, __m512(v), 0));

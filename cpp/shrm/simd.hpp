@@ -6,6 +6,10 @@
 #include <type_traits>
 #include <utility>
 
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
 // For the innermost functions: all they call, lambdas too, becomes part of them, and sums stay in registers.
 #define SHRM_KERNEL __attribute__((flatten))
 
@@ -27,6 +31,17 @@ typedef float UnalignedFloats __attribute__((vector_size(lanes * sizeof(float)),
 
 inline Floats load(const float* from) {
     return *reinterpret_cast<const UnalignedFloats*>(from);
+}
+
+// The first `count` lanes, and zeros.
+inline Floats load_first(const float* from, int count) {
+#if defined(__AVX512F__)
+    return Floats(_mm512_maskz_loadu_ps(static_cast<__mmask16>((1u << count) - 1), from));
+#else
+    Floats v{};
+    for (int i = 0; i < count; ++i) v[i] = from[i];
+    return v;
+#endif
 }
 
 inline void store(float* to, Floats v) {

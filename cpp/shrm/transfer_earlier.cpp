@@ -10,6 +10,7 @@ namespace shrm {
 namespace {
 
 constexpr int most_terms = 100;  // n = 10
+static_assert(lanes <= rotation_room);
 
 // A row for each channel, with room for the last vector.
 struct Rows {
@@ -23,19 +24,21 @@ SHRM_KERNEL inline void interpolate(const float* samples, int side, int channels
     const std::size_t width = size(channels * row.count()), below = size(side) * width;
     const float* from = samples + size(at.first[i]) * width;
     for (int c = 0; c < channels; ++c, from += row.count())
-        for (int v = 0; v < row.vectors(); ++v) {
+        row.for_vectors([&](auto v) {
             const Floats sum =
                 (at.weights[0][i] * row.load(from, v) + at.weights[1][i] * row.load(from + width, v)) +
                 (at.weights[2][i] * row.load(from + below, v) +
                  at.weights[3][i] * row.load(from + below + width, v));
             store(rows.of[c] + row.begin(v), sum);
-        }
+        });
 }
 
 // b R_p: rows of local coefficients as rows of global ones, band by band. Vectors read and write beyond the
 // end of a band's row; what they write there the next band overwrites.
-SHRM_KERNEL inline void rotate(const float* bands, int channels, int terms, const Rows& local, Rows& global) {
-    for (int l = 0; l * l < terms; ++l) {
+template <int known>
+SHRM_KERNEL inline void rotate(const float* bands, int channels, Row<known> row, const Rows& local,
+                               Rows& global) {
+    row.for_degrees([&](auto l) {
         const int width = 2 * l + 1;
         for (int c = 0; c < channels; ++c)
             for (int v = 0; v < width; v += lanes) {
@@ -44,37 +47,35 @@ SHRM_KERNEL inline void rotate(const float* bands, int channels, int terms, cons
                 store(global.of[c] + l * l + v, sum);
             }
         bands += width * width;
-    }
+    });
 }
 
-// sums[c] += b_c T_p light_c, still apart in lanes. All vectors of a known row at once, so that T_p is read
-// in the order of memory.   transfer (n^2, n^2)
+// sums[c] += b_c T_p light_c, still apart in lanes. T_p is read in the order of memory.
+//   transfer (n^2, n^2)
 template <int known, int channels, class Stored>
 SHRM_KERNEL inline void transferred(const Stored* transfer, Row<known> row, const Rows& b,
                                     const RowLight& light, Floats* sums) {
-    constexpr int held = known ? Row<known>{}.vectors() : 1;
-    for (int v = 0; v < row.vectors(); v += held) {
-        Floats products[channels][held] = {};
-        for (int i = 0; i < row.count(); ++i)
-            unrolled<held>([&](auto h) {
-                const Floats of_row = row.load(transfer + i * row.count(), v + h);
-                unrolled<channels>([&](auto c) { products[c][h] += b.of[c][i] * of_row; });
-            });
-        unrolled<held>([&](auto h) {
-            unrolled<3>([&](auto c) {
-                sums[c] += products[channels == 1 ? 0 : c][h] * light.channel(c, v + h, row.vectors());
-            });
+    Floats products[channels][vectors_of(known ? known : most_terms)] = {};
+    for (int i = 0; i < row.count(); ++i)
+        row.for_vectors([&](auto v) {
+            const Floats of_row = row.load(transfer + i * row.count(), v);
+            unrolled<channels>([&](auto c) { products[c][v] += b.of[c][i] * of_row; });
         });
-    }
+    row.for_vectors([&](auto v) {
+        unrolled<3>([&](auto c) {
+            sums[c] += products[channels == 1 ? 0 : c][v] * light.channel(c, v, row.vectors());
+        });
+    });
 }
 
 template <int known>
 SHRM_KERNEL inline void untransferred(Row<known> row, int channels, const Rows& b, const RowLight& light,
                                       Floats* sums) {
-    for (int v = 0; v < row.vectors(); ++v)
+    row.for_vectors([&](auto v) {
         unrolled<3>([&](auto c) {
             sums[c] += row.load(b.of[channels == 1 ? 0 : c], v) * light.channel(c, v, row.vectors());
         });
+    });
 }
 
 // sums[c] += b_c T_p light_c of one vertex; T_p is 1 where there is none.
@@ -109,12 +110,10 @@ std::vector<float> kernel_of_terms(std::span<const float> kernel, int channels, 
 }
 
 // Y_j at the axes of a vector of vertices.
-inline void harmonics_at(const float* x, const float* y, const float* z, int terms, Floats* Y) {
+inline void harmonics_at(const float* x, const float* y, const float* z, int n, Floats* Y) {
     const struct {
         Floats x, y, z;
     } axis{load(x), load(y), load(z)};
-    int n = 1;
-    while (n * n < terms) ++n;
     real_harmonics(n - 1, axis, Y);
 }
 
@@ -124,7 +123,8 @@ void light_projected(const TransferSurface& surface, std::span<const float> samp
                      int channels, std::span<const float> rotations, const TransferValues& transfer,
                      std::span<const float> light, const Eye& eye, std::span<float> radiance) {
     const RowLight packed(light);
-    const std::size_t bands = rotations.size() / size(surface.vertices() + 1);
+    const std::size_t bands =
+        rotations.empty() ? 0 : (rotations.size() - rotation_room) / size(surface.vertices());
     for_stored(transfer, [&](const auto* matrices) {
         for_terms(packed.terms(), [&](auto known) {
             const Row<known> row{packed.terms()};
@@ -144,7 +144,7 @@ void light_projected(const TransferSurface& surface, std::span<const float> samp
                         const std::size_t vertex = size(first + p);
                         Rows local, global;
                         interpolate<known>(samples.data(), side, channels, row, at, p, local);
-                        if (bands) rotate(&rotations[vertex * bands], channels, row.count(), local, global);
+                        if (bands) rotate<known>(&rotations[vertex * bands], channels, row, local, global);
                         add_radiance<known>(matrices, vertex, row, channels, bands ? global : local, packed,
                                             sums + 4 * g);
                     }
@@ -183,7 +183,7 @@ void light_convolved(const TransferSurface& surface, std::span<const float> kern
                 const int first = block * vertex_block, count = surface.count(block);
                 for (int i = 0; i < count; i += lanes) {
                     Floats Y[most_terms];
-                    harmonics_at(x + i, y + i, z + i, terms, Y);
+                    harmonics_at(x + i, y + i, z + i, row.n(), Y);
                     if (!matrices) {
                         for (int c = 0; c < 3; ++c) {
                             Floats sum = {};

@@ -64,12 +64,15 @@ class CompressedTransfer {
     std::vector<float> tables_;      // A_k light: (Q, M^2, K, red green blue 0)
 };
 
+inline constexpr int rotation_room = 16;
+
 // The material's row at the local view, rotated into global coordinates, times T light: b(view) R_p T_p light
 // [KSS02]. The row, one for the three channels if C = 1, is multiplied from the left, so that a vertex takes
 // as many products as a matrix has elements.
 //   samples    (side^2, C, n^2), rows at the views of a parabolic map, or of the tents (side = M)
-//   rotations  (V + 1, 1 + 9 + ... + (2n-1)^2): the bands of R_p, global to local, by rows, and room for the
-//              vectors that begin in the last; or empty: 1
+//   rotations  (V, 1 + 9 + ... + (2n-1)^2): the bands of R_p, global to local, by rows; and rotation_room
+//   more
+//              floats, for the vectors that begin in the last; or empty: 1
 //   transfer   (V, n^2, n^2): T_p; or empty: 1
 void light_projected(const TransferSurface& surface, std::span<const float> samples, int side, bool parabolic,
                      int channels, std::span<const float> rotations, const TransferValues& transfer,

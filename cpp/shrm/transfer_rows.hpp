@@ -13,6 +13,10 @@
 
 namespace shrm {
 
+constexpr int vectors_of(int count) {
+    return (count + lanes - 1) / lanes;
+}
+
 // The vectors of a row. Rows lie one after the other, unpadded: the last vector ends where the row does, and
 // begins with values of the one before.
 template <int known>  // n^2, or 0 where `given` says
@@ -20,15 +24,33 @@ struct Row {
     int given;
 
     constexpr int count() const { return known ? known : given; }
-    constexpr int vectors() const { return (count() + lanes - 1) / lanes; }
+    constexpr int vectors() const { return vectors_of(count()); }
     constexpr int begin(int v) const { return std::max(std::min(v * lanes, count() - lanes), 0); }
+    constexpr int n() const {
+        int n = 1;
+        while (n * n < count()) ++n;
+        return n;
+    }
 
     template <class Stored>
     Floats load(const Stored* row, int v) const {
-        if (count() >= lanes) return shrm::load(row + begin(v));
-        Floats some{};
-        for (int i = 0; i < count(); ++i) some[i] = float_from(row[i]);
-        return some;
+        return count() >= lanes ? shrm::load(row + begin(v)) : load_first(row, count());
+    }
+    // Calls body(v) for every vector, with constants where their number is known: sums stay in registers.
+    template <class Body>
+    void for_vectors(Body&& body) const {
+        if constexpr (known > 0)
+            unrolled<Row{known}.vectors()>(body);
+        else
+            for (int v = 0; v < vectors(); ++v) body(v);
+    }
+    // Calls body(l) for every degree, likewise.
+    template <class Body>
+    void for_degrees(Body&& body) const {
+        if constexpr (known > 0)
+            unrolled<Row{known}.n()>(body);
+        else
+            for (int l = 0; l * l < count(); ++l) body(l);
     }
 };
 
@@ -68,6 +90,43 @@ struct Quads {
             for (int c = 0; c < 3; ++c) radiance[3 * i + c] = values[4 * i + c];
     }
 };
+
+// Tents at the views of a block of vertices.
+struct BlockTents {
+    int block = -1, first, count;
+    Neighbours tents;
+};
+
+// Calls light(now, next) for every block, with the tents of the block that follows too, so that what they
+// will need can be asked for in time. The last is followed by itself.
+template <class Light>
+inline void for_blocks(const TransferSurface& surface, const Eye& eye, int M, Light&& light) {
+    const int last = surface.blocks() - 1;
+#pragma omp parallel
+    {
+        BlockTents found[2];
+        const auto tents_of = [&](int block) -> const BlockTents& {
+            BlockTents& to = found[block % 2];
+            if (to.block != block) {
+                to.block = block, to.first = block * vertex_block, to.count = surface.count(block);
+                tents_of_views(surface, block, eye, M, to.tents);
+            }
+            return to;
+        };
+#pragma omp for schedule(static)
+        for (int block = 0; block <= last; ++block)
+            light(tents_of(block), tents_of(std::min(block + 1, last)));
+    }
+}
+
+constexpr std::size_t cache_line = 64;
+
+// Asks for memory, into the second cache: more of it can be on its way there than to the first.
+[[gnu::always_inline]] inline void prefetch(const void* from, std::size_t bytes) {
+    const auto at = reinterpret_cast<std::uintptr_t>(from);
+    for (auto line = at / cache_line * cache_line; line < at + bytes; line += cache_line)
+        __builtin_prefetch(reinterpret_cast<const void*>(line), 0, 2);
+}
 
 // Calls body(std::integral_constant<int, n^2>()) where there is a kernel for that order, else with 0.
 template <class Body>

@@ -7,38 +7,45 @@
 namespace shrm {
 namespace {
 
-// The four rows of a vertex lie in two pairs, anywhere in a matrix of kilobytes: they are asked for so many
-// vertices ahead that they have arrived when their turn comes.
-constexpr int ahead = 12;
+// The four rows of a vertex, of `width` values each: two side by side, and two `below` values further on.
+// They lie anywhere in a matrix of kilobytes, so that memory is asked for them a block ahead.
+template <class Stored>
+class FourRows {
+  public:
+    FourRows(const Stored* matrices, int M, std::size_t width)
+        : matrices_(matrices), matrix_(size(M * M) * width), width_(width), below_(size(M) * width) {}
 
-constexpr std::size_t cache_line = 64;
+    const Stored* of(const BlockTents& block, int i) const {
+        return matrices_ + (size(block.first) + size(i)) * matrix_ + size(block.tents.first[i]) * width_;
+    }
+    std::size_t below() const { return below_; }
+    // Always inlined: g++ takes a function that only prefetches for one that does nothing.
+    [[gnu::always_inline]] void prefetch(const BlockTents& block, int i) const {
+        const Stored* rows = of(block, std::min(i, block.count - 1));
+        const std::size_t bytes = std::max(2 * width_, width_ + lanes) * sizeof(Stored);  // whole vectors
+        shrm::prefetch(rows, bytes);
+        shrm::prefetch(rows + below_, bytes);
+    }
 
-inline void prefetch(const void* from, std::size_t bytes) {
-    const auto* at = static_cast<const char*>(from);
-    for (std::size_t offset = 0; offset < bytes; offset += cache_line) __builtin_prefetch(at + offset);
-    __builtin_prefetch(at + bytes - 1);
-}
+  private:
+    const Stored* matrices_;
+    std::size_t matrix_, width_, below_;
+};
 
-// Radiance of a block's vertices: red, green, blue, and a fourth lane of 0.
-//   matrices (V, M^2, C, n^2) from the block's first vertex on
 template <int known, int channels, class Stored>
-SHRM_KERNEL void light_block(const Stored* matrices, int M, const Neighbours& tents, int vertices,
+SHRM_KERNEL void light_block(const FourRows<Stored>& matrices, const BlockTents& now, const BlockTents& next,
                              const RowLight& light, Quads& radiance) {
     const Row<known> row{light.terms()};
-    const auto width = std::size_t(channels * row.count());  // of a tent
-    const std::size_t matrix = size(M * M) * width, below = size(M) * width;
-    for (int i = 0; i < vertices; i += vertex_group) {
+    const std::size_t width = size(channels * row.count()), below = matrices.below();
+    for (int i = 0; i < now.count; i += vertex_group) {
         Floats sums[lanes] = {};
         for (int g = 0; g < vertex_group; ++g) {
-            const int p = std::min(i + g, vertices - 1), later = std::min(p + ahead, vertices - 1);
-            const Stored* next = matrices + size(later) * matrix + size(tents.first[later]) * width;
-            prefetch(next, 2 * width * sizeof(Stored));
-            prefetch(next + below, 2 * width * sizeof(Stored));
-
-            const Stored* rows = matrices + size(p) * matrix + size(tents.first[p]) * width;
-            const float* w = &tents.weights[0][p];
+            matrices.prefetch(next, i + g);
+            const int p = std::min(i + g, now.count - 1);
+            const Stored* rows = matrices.of(now, p);
+            const float* w = &now.tents.weights[0][p];
             for (int c = 0; c < channels; ++c, rows += row.count())
-                for (int v = 0; v < row.vectors(); ++v) {
+                row.for_vectors([&](auto v) {
                     const Floats sum =
                         (w[0] * row.load(rows, v) + w[vertex_block] * row.load(rows + width, v)) +
                         (w[2 * vertex_block] * row.load(rows + below, v) +
@@ -48,7 +55,7 @@ SHRM_KERNEL void light_block(const Stored* matrices, int M, const Neighbours& te
                             [&](auto k) { sums[4 * g + k] += sum * light.channel(k, v, row.vectors()); });
                     else
                         sums[4 * g + c] += sum * light.channel(c, v, row.vectors());
-                }
+                });
         }
         store(radiance.values + 4 * i, sums_of<lanes>(sums));
     }
@@ -58,21 +65,16 @@ template <class Stored>
 void light_tents(const TransferSurface& surface, const Stored* matrices, int M, int channels,
                  std::span<const float> light, const Eye& eye, std::span<float> radiance) {
     const RowLight packed(light);
-    const std::size_t matrix = size(M * M) * size(channels * packed.terms());
+    const FourRows<Stored> rows(matrices, M, size(channels * packed.terms()));
     for_terms(packed.terms(), [&](auto known) {
-#pragma omp parallel for schedule(static)
-        for (int block = 0; block < surface.blocks(); ++block) {
-            Neighbours tents;
+        for_blocks(surface, eye, M, [&](const BlockTents& now, const BlockTents& next) {
             Quads found;
-            tents_of_views(surface, block, eye, M, tents);
-            const int count = surface.count(block);
-            const Stored* from = matrices + size(block) * vertex_block * matrix;
             if (channels == 1)
-                light_block<known, 1>(from, M, tents, count, packed, found);
+                light_block<known, 1>(rows, now, next, packed, found);
             else
-                light_block<known, 3>(from, M, tents, count, packed, found);
-            found.copy(count, &radiance[size(block) * 3 * vertex_block]);
-        }
+                light_block<known, 3>(rows, now, next, packed, found);
+            found.copy(now.count, &radiance[3 * size(now.first)]);
+        });
     });
 }
 
@@ -84,11 +86,12 @@ SHRM_KERNEL void light_rows_block(const Stored* rows, int channels, int vertices
         Floats sums[lanes] = {};
         for (int g = 0; g < vertex_group; ++g) {
             const Stored* from = rows + size(std::min(i + g, vertices - 1)) * size(channels * row.count());
-            for (int v = 0; v < row.vectors(); ++v)
+            row.for_vectors([&](auto v) {
                 unrolled<3>([&](auto c) {
                     const Stored* of_channel = channels == 1 ? from : from + c * row.count();
                     sums[4 * g + c] += row.load(of_channel, v) * light.channel(c, v, row.vectors());
                 });
+            });
         }
         store(radiance.values + 4 * i, sums_of<lanes>(sums));
     }
@@ -124,25 +127,17 @@ void light_tents(const TransferSurface& surface, const TransferValues& matrices,
 
 void light_fixed_tents(const TransferSurface& surface, std::span<const float> coefficients, int M,
                        const Eye& eye, std::span<float> radiance) {
-    const std::size_t of_vertex = size(M * M) * 3, below = size(M) * 3;
-#pragma omp parallel for schedule(static)
-    for (int block = 0; block < surface.blocks(); ++block) {
-        Neighbours tents;
-        tents_of_views(surface, block, eye, M, tents);
-        const int count = surface.count(block);
-        const float* from = &coefficients[size(block) * vertex_block * of_vertex];
-        const auto first = [&](int i) { return from + size(i) * of_vertex + size(tents.first[i]) * 3; };
-        float* to = &radiance[size(block) * 3 * vertex_block];
-        for (int i = 0; i < count; ++i) {
-            const float *rows = first(i), *next = first(std::min(i + ahead, count - 1));
-            prefetch(next, 6 * sizeof(float));
-            prefetch(next + below, 6 * sizeof(float));
-            for (std::size_t c = 0; c < 3; ++c)
-                to[3 * i + int(c)] = tents.weights[0][i] * rows[c] + tents.weights[1][i] * rows[3 + c] +
-                                     tents.weights[2][i] * rows[below + c] +
-                                     tents.weights[3][i] * rows[below + 3 + c];
+    const FourRows<float> rows(coefficients.data(), M, 3);
+    for_blocks(surface, eye, M, [&](const BlockTents& now, const BlockTents& next) {
+        for (int i = 0; i < now.count; ++i) {
+            rows.prefetch(next, i);
+            const float *row = rows.of(now, i), *below = row + rows.below();
+            for (int c = 0; c < 3; ++c)
+                radiance[3 * size(now.first + i) + size(c)] =
+                    (now.tents.weights[0][i] * row[c] + now.tents.weights[1][i] * row[3 + c]) +
+                    (now.tents.weights[2][i] * below[c] + now.tents.weights[3][i] * below[3 + c]);
         }
-    }
+    });
 }
 
 void light_rows(const TransferValues& rows, int vertices, int channels, std::span<const float> light,

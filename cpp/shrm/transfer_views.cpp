@@ -52,17 +52,19 @@ class Planes {
     const float* first_;
 };
 
-// The unit vector to the eye, in the frame. An eye at a vertex gives 0.
+// The unit vector to the eye, in the frame. An eye at the vertex is above it.
 inline View local_view(const Planes& planes, const Eye& eye, int i) {
     View d{eye.at.x + Floats{}, eye.at.y + Floats{}, eye.at.z + Floats{}};
-    Floats scale = 1 + Floats{};
+    Floats length = 1 + Floats{};
     if (!eye.distant) {
         const View p = planes.position(i);
         d = {d.x - p.x, d.y - p.y, d.z - p.z};
-        scale = 1 / larger(square_root(dot(d, d)), 1e-30f + Floats{});
+        length = square_root(dot(d, d));
     }
+    const Floats scale = 1 / larger(length, 1e-30f + Floats{});
+    const Floats z = dot(planes.axis(2, i), d) * scale;
     return {dot(planes.axis(0, i), d) * scale, dot(planes.axis(1, i), d) * scale,
-            dot(planes.axis(2, i), d) * scale};
+            length > 0 ? z : 1 + Floats{}};
 }
 
 // Views below the horizon are brought to it.

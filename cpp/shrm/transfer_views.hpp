@@ -14,7 +14,7 @@
 
 namespace shrm {
 
-inline constexpr int vertex_block = 256;
+inline constexpr int vertex_block = 64;
 
 // Vertices and their frames, in blocks of planes: positions x, y, z, then the nine elements of
 // global_from_local, column by column (x, y and z of the tangent, of the bitangent, of the normal).

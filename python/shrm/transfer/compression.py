@@ -37,6 +37,9 @@ FloatArray = npt.NDArray[np.float64]
 Blocks = Array | Callable[[], Iterable[Array]]
 """Matrices (V, M^2, C, n^2), mapped from disk maybe; or what gives them anew, in order, in blocks."""
 
+Read = Callable[[], Iterator[npt.NDArray[np.float32]]]
+"""The same, blocks in float32."""
+
 MOST = 512
 """The largest K of `streamed`, unless it is told."""
 
@@ -47,11 +50,11 @@ components where singular values fall as slowly as those of shadowed matrices do
 GRAM_COLUMNS = 4096
 """Numbers of a matrix up to which `streamed` keeps the Gram matrix of all vertices, at most 128 MB."""
 
-_GRAM_PASSES = 8
-"""Over a Gram matrix, which cost little."""
+_FIRST = 96
+"""The K that is tried first where an accuracy decides; and then four times as many."""
 
-_FIRST = 128
-"""The K that is tried first where an accuracy decides."""
+_MORE = 8
+"""Components beyond those that the iteration thinks are enough, which the last pass then decides."""
 
 _BLOCK_BYTES = 1 << 25
 
@@ -138,10 +141,10 @@ def streamed(
 ) -> PrincipalComponents:
     """Return principal components of matrices that are read in blocks.
 
-    The space of the largest components is found by iteration from a random one [HMT11 algorithm 4.4]: on the
-    Gram matrix of all vertices, read once, up to `GRAM_COLUMNS` numbers of a vertex; on the blocks, read once
-    for each pass, beyond. The energy that is left outside is summed in a last pass, so that the SNR of every
-    K is that of these components, whatever iteration has missed.
+    The space of the largest components is found by iteration from a random one [HMT11 algorithm 4.4]. Up to
+    `GRAM_COLUMNS` numbers of a vertex it iterates on the Gram matrix of all vertices, for which the blocks
+    are read once; beyond on the blocks, read for each pass and once more. The energy that is left outside is
+    summed in a last pass, so that the SNR of every K is that of these components, whatever iteration missed.
 
     Parameters
     ----------
@@ -155,7 +158,7 @@ def streamed(
     most : int
         The largest K where it is not given.
     passes : int
-        Over the blocks, at least 1.
+        Of the iteration, at least 1.
     seed : int
         Of the random space at the start.
 
@@ -170,33 +173,34 @@ def streamed(
     """
     passes = whole_number("passes", passes, 1)
     read = _blocks(matrices)
-    _, tents, C, n2 = _matrices_shape(next(iter(read()), np.zeros((0, 0))))
+    _, tents, C, n2 = shape = _matrices_shape(next(iter(read()), np.zeros((0, 0))))
     sides, size = _Sides(tents), tents * C * n2
     most = _asked(K, accuracy, size, min(whole_number("most", most, 1), size))
-    gram: _Gram | _BlocksGram = _BlocksGram(read, sides, (tents, C, n2), passes)
-    if size <= GRAM_COLUMNS:
-        gram = _Gram(read, sides, (tents, C, n2))
-    X = np.empty((size, 0))
-    rng = np.random.default_rng(seed)
+    gram = (_Gram if size <= GRAM_COLUMNS else _BlocksGram)(read, sides, shape[1:])
+    rng, X = np.random.default_rng(seed), np.empty((size, 0))
     count = most if accuracy is None else min(_FIRST, most)
     while True:
         columns = min(size, count + max(16, count // 2))
         X = np.concatenate([X, rng.standard_normal((size, columns - X.shape[1]))], axis=1)
-        for _ in range(gram.passes):
-            X = np.linalg.qr(gram.times(X))[0]
+        for _ in range(passes - 1):
+            X = _conditioned(gram.times(X))
+        X = np.linalg.qr(gram.times(X))[0]
+        values, vectors = _descending(X.T @ gram.times(X))
         if accuracy is None or count == most:
             break
-        caught = np.linalg.eigvalsh(X.T @ gram.times(X))[::-1][:count].sum()
-        if gram.energy - caught <= gram.energy * 10 ** (-accuracy / 10):
+        enough = np.cumsum(values[:count]) >= gram.energy * (1 - 10 ** (-accuracy / 10))
+        if enough.any():
+            count = min(int(enough.argmax()) + 1 + _MORE, most)
             break
-        count = min(2 * count, most)
-    Y, outside = _projected(read, X, sides, (tents, C, n2))
-    values, vectors = _descending(Y.T.astype(np.float64) @ Y)
-    left = outside + np.append(np.cumsum(values[::-1])[::-1], 0.0)
-    count = components_for(accuracy, left, most)
-    kept = vectors[:, :count]
-    components = sides.times(sides.inverse.T, (X @ kept).T.reshape(count, tents, C, n2))
-    return PrincipalComponents.of(Y @ kept.astype(np.float32), components, left[: count + 1])
+        count = min(4 * count, most)
+    X = X @ vectors[:, :count]
+    Y, outside = _projected(read, X, sides, shape[1:])
+    # Components are orthonormal: each keeps the energy of its own coordinates
+    kept = np.einsum("pk,pk->k", Y, Y, dtype=np.float64)
+    left = outside + np.append(np.cumsum(kept[::-1])[::-1], 0.0)
+    count = components_for(accuracy, left, count)
+    components = sides.times(sides.inverse.T, X[:, :count].T.reshape(count, *shape[1:]))
+    return PrincipalComponents.of(Y[:, :count], components, left[: count + 1])
 
 
 class _Sides:
@@ -217,18 +221,24 @@ class _Sides:
         return np.asarray(along_u.reshape(rows.shape))
 
 
+def _conditioned(X: FloatArray) -> FloatArray:
+    """Return columns that span the same and are far from dependent, at the cost of a product."""
+    S = X.T @ X
+    shift = 1e-12 * np.trace(S)
+    if shift == 0:
+        return X
+    L = np.linalg.cholesky(S + shift * np.eye(len(S)))
+    return np.asarray(X @ np.linalg.inv(L).T)
+
+
 class _Gram:
-    """A^T A of whitened A (V, M^2 C n^2), in float64."""
+    """A^T A of whitened A (V, M^2 C n^2)."""
 
-    passes = _GRAM_PASSES
-
-    def __init__(
-        self, read: Callable[[], Iterator[Array]], sides: _Sides, shape: tuple[int, int, int]
-    ) -> None:
+    def __init__(self, read: Read, sides: _Sides, shape: tuple[int, ...]) -> None:
         size = int(np.prod(shape))
         self.matrix = np.zeros((size, size))
         for block in read():
-            whitened = sides.times(sides.L.T, block.astype(np.float64)).reshape(len(block), size)
+            whitened = sides.times(sides.L.T, block).reshape(len(block), size)
             self.matrix += whitened.T @ whitened
         self.energy = float(np.trace(self.matrix))
         if not np.isfinite(self.energy):
@@ -241,14 +251,8 @@ class _Gram:
 class _BlocksGram:
     """The same, never formed: columns take the factors, not A, and every product reads the blocks."""
 
-    def __init__(
-        self,
-        read: Callable[[], Iterator[Array]],
-        sides: _Sides,
-        shape: tuple[int, int, int],
-        passes: int,
-    ) -> None:
-        self.read, self.sides, self.shape, self.passes = read, sides, shape, passes
+    def __init__(self, read: Read, sides: _Sides, shape: tuple[int, ...]) -> None:
+        self.read, self.sides, self.shape = read, sides, shape
 
     @cached_property
     def energy(self) -> float:
@@ -271,7 +275,7 @@ class _BlocksGram:
 
 
 def _projected(
-    read: Callable[[], Iterator[Array]], X: FloatArray, sides: _Sides, shape: tuple[int, int, int]
+    read: Read, X: FloatArray, sides: _Sides, shape: tuple[int, ...]
 ) -> tuple[npt.NDArray[np.float32], float]:
     """Return coordinates (V, columns) in the orthonormal X, and the energy outside its span.
 
@@ -289,7 +293,7 @@ def _projected(
     return np.concatenate(coordinates), outside
 
 
-def _blocks(matrices: Blocks) -> Callable[[], Iterator[npt.NDArray[np.float32]]]:
+def _blocks(matrices: Blocks) -> Read:
     """What gives the blocks, in float32, checked against the first."""
     if not callable(matrices):
         _matrices_shape(matrices)

@@ -45,6 +45,9 @@ Axis = Literal["reflection", "normal"]
 MOST_SAMPLES = 512
 """The largest side of a parabolic map."""
 
+ROTATION_ROOM = 16
+"""Floats that the core reads beyond the last rotation."""
+
 
 class Diffuse(Lighting):
     """A row for each vertex, its product with light: diffuse materials [SKS02]. The eye does not matter.
@@ -143,8 +146,8 @@ class Projection(Lighting):
         else:
             bands = band_rotations(_orthonormal(self.surface.frames), self.n)
             flat = np.concatenate([band.reshape(self.size, -1) for band in bands], axis=1)
-            self._rotations = np.zeros((self.size + 1, flat.shape[1]), dtype=np.float32)
-            self._rotations[:-1] = flat
+            self._rotations = np.zeros(flat.size + ROTATION_ROOM, dtype=np.float32)
+            self._rotations[: flat.size] = flat.reshape(-1)
 
     def _light(self, light: Float32Array, eye: Eye, radiance: Float32Array) -> None:
         _core.light_projected(

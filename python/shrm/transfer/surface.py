@@ -51,7 +51,7 @@ class Eye:
         position = real_array("eye", eye)
         if position.shape != (3,):
             raise ValueError(f"eye must have the shape (3,), got {position.shape}")
-        return cls(position.astype(np.float32), False)
+        return cls(_in_float32("eye", position), False)
 
 
 class Lighting(ABC):
@@ -108,7 +108,7 @@ class Lighting(ABC):
         if out is None:
             out = np.empty((self.size, 3), dtype=np.float32)
         require_array("out", out, (self.size, 3), np.float32, writeable=True)
-        self._light(np.ascontiguousarray(coefficients, dtype=np.float32), eye, out)
+        self._light(_in_float32("light", coefficients), eye, out)
         return out
 
     @abstractmethod
@@ -202,6 +202,14 @@ def require_channels(name: str, channels: int) -> None:
     """Refuse other numbers of channels than 1 and 3."""
     if channels not in (1, 3):
         raise ValueError(f"{name} must have 1 or 3 channels, got {channels}")
+
+
+def _in_float32(name: str, array: FloatArray) -> Float32Array:
+    with np.errstate(over="ignore"):
+        result = np.ascontiguousarray(array, dtype=np.float32)
+    if not np.isfinite(result).all():
+        raise ValueError(f"{name} must be finite in float32, got {np.abs(array).max():g}")
+    return result
 
 
 def _root(name: str, square: int, what: str, least: int, most: int) -> int:

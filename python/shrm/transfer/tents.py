@@ -128,6 +128,7 @@ class Compressed(Lighting):
         self.clusters = None if clusters is None else _checked_clusters(clusters, self.size, Q)
         self.M, self.n = tents_of("components", tents), order_of("components", terms)
         require_channels("components", channels)
+        self._K = 0
         self.K = stored if K is None else K
 
     @property
@@ -138,10 +139,11 @@ class Compressed(Lighting):
     @K.setter
     def K(self, K: int) -> None:
         K = whole_number("K", K, 1, self.weights.shape[1])
-        self._plan = _core.CompressedTransfer(
-            weights=self.weights, components=self.components, clusters=self.clusters, K=K
-        )
-        self._K = K
+        if K != self._K:
+            self._plan = _core.CompressedTransfer(
+                weights=self.weights, components=self.components, clusters=self.clusters, K=K
+            )
+            self._K = K
 
     def _light(self, light: Float32Array, eye: Eye, radiance: Float32Array) -> None:
         self._plan.run(
@@ -183,13 +185,12 @@ class Compressed(Lighting):
 class FixedLight(Lighting):
     """For a light that seldom changes: tents' coefficients once, four of them a view [LK03 section 3.3].
 
-    Radiance is that of the way of lighting it is made for. A light that differs from the last one costs
-    all of a vertex's tents, not four.
+    Radiance is that of the way of lighting it is made for. A light, or a K, that differs from the last one
+    costs all of a vertex's tents, not four.
 
     Parameters
     ----------
     of : Tents or Compressed
-        Its K is not to change in between.
 
     Raises
     ------
@@ -199,11 +200,12 @@ class FixedLight(Lighting):
 
     def __init__(self, of: Tents | Compressed) -> None:
         self.of, self.size, self.n = _require_tents(of), of.size, of.n
-        self._last: Float32Array | None = None
+        self._made_for: object = None
 
     def _light(self, light: Float32Array, eye: Eye, radiance: Float32Array) -> None:
-        if self._last is None or not np.array_equal(light, self._last):
-            self._coefficients, self._last = self.of.coefficients(light), light.copy()
+        made_for = _components_of(self.of), light.tobytes()
+        if self._made_for != made_for:
+            self._coefficients, self._made_for = self.of.coefficients(light), made_for
         _core.light_fixed_tents(
             surface=self.of.surface.core,
             coefficients=self._coefficients,
@@ -216,13 +218,12 @@ class FixedLight(Lighting):
 class FixedView(Lighting):
     """For an eye that seldom moves: a row for each vertex once, its product with a light [LK03 section 3.3].
 
-    Radiance is that of the way of lighting it is made for. An eye that differs from the last one costs a
-    reading of four rows of every vertex.
+    Radiance is that of the way of lighting it is made for. An eye, or a K, that differs from the last one
+    costs a reading of four rows of every vertex.
 
     Parameters
     ----------
     of : Tents or Compressed
-        Its K is not to change in between.
 
     Raises
     ------
@@ -232,13 +233,17 @@ class FixedView(Lighting):
 
     def __init__(self, of: Tents | Compressed) -> None:
         self.of, self.size, self.n = _require_tents(of), of.size, of.n
-        self._last: Eye | None = None
+        self._made_for: object = None
 
     def _light(self, light: Float32Array, eye: Eye, radiance: Float32Array) -> None:
-        last = self._last
-        if last is None or last.distant != eye.distant or not np.array_equal(last.at, eye.at):
-            self._rows, self._last = self.of.rows(eye), Eye(eye.at.copy(), eye.distant)
+        made_for = _components_of(self.of), eye.distant, eye.at.tobytes()
+        if self._made_for != made_for:
+            self._rows, self._made_for = self.of.rows(eye), made_for
         _core.light_rows(rows=self._rows, light=light, radiance=radiance)
+
+
+def _components_of(of: Tents | Compressed) -> int | None:
+    return of.K if isinstance(of, Compressed) else None
 
 
 def _require_tents(of: object) -> Tents | Compressed:
