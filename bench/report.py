@@ -199,6 +199,8 @@ def transfer_methods(results: Results) -> list[str]:
 
 
 def _megabytes(count: int) -> str:
+    if count < 1e4:
+        return "0"
     return f"{count / 1e6:.0f}" if count >= 1e7 else f"{count / 1e6:.2g}"
 
 

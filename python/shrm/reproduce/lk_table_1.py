@@ -110,7 +110,7 @@ def _notes(this: Subject, found: Sequence[Judged]) -> list[str]:
 
 def _draw(found: Sequence[Judged]) -> Figure:
     figure, axes = panels(1, 2, 11.0, 4.6)
-    widest = 40 * max(1 / one.seconds for one in found)  # with room for what stands beside a bar
+    widest = 20 * max(1 / one.seconds for one in found)  # with room for what stands beside a bar
     for panel, shadowed in zip(axes, (True, False), strict=True):
         these = [one for one in found if one.shadowed == shadowed]
         at = np.arange(len(these))[::-1]
@@ -127,6 +127,7 @@ def _draw(found: Sequence[Judged]) -> Figure:
         panel.set(xscale="log", xlabel="frames per second", xlim=(1.0, widest))
         panel.set_yticks(at, [one.method for one in these], fontsize=8)
         panel.set_title("self-shadowing" if shadowed else "no shadows", fontsize=10)
+        panel.tick_params(axis="x", labelsize=8)
         panel.grid(False, axis="y")
         plain_log(panel.xaxis)
     handles, labels = axes[0].get_legend_handles_labels()
