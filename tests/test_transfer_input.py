@@ -57,6 +57,9 @@ def refused(message: str, mesh: Surface, material: Any = TWO[0], **options: Any)
         ({"faces": FACES.astype(float)}, "faces must be whole numbers, got dtype float64"),
         ({"vertex_normals": NORMALS[:5]}, r"vertex_normals must have the shape \(162, 3\), got \(5, 3\)"),
         ({"vertex_normals": with_value(NORMALS, np.nan)}, "vertex_normals must be finite"),
+        ({"vertices": with_value(VERTICES, 1e300)}, "vertices must be within the range of float32, got 1e"),
+        ({"uv": np.zeros((3, 2))}, r"uv must have the shape \(162, 2\), got \(3, 2\)"),
+        ({"uv": with_value(VERTICES, np.nan)[:, :2]}, "uv must be finite"),
     ],
 )
 def test_broken_meshes_are_refused(change, message):
@@ -99,6 +102,10 @@ def test_broken_meshes_are_refused(change, message):
         ),
         ({"material": [TWO[0], 3]}, "brdf must be a material of shrm.brdf, or several"),
         ({"material": TWO}, "shares must be given for 2 materials"),
+        ({"path": "direct"}, "path must be a shrm.transfer.Path, got 'direct'"),
+        ({"variants": 5}, "variants must be names, got 5"),
+        ({"half": 1}, "half must be True or False, got 1"),
+        ({"matrices": "yes"}, "matrices must be True or False, got 'yes'"),
     ],
 )
 def test_arguments_out_of_range_are_refused(options, message):
@@ -139,6 +146,35 @@ def test_paths_out_of_range_are_refused(orders, message):
 )
 def test_shares_that_cannot_be_are_refused(shares, message):
     refused(message, Surface(*MESH), TWO, shares=shares)
+
+
+def test_too_many_components_are_refused_before_rays_are_cast():
+    steps = []
+    with pytest.raises(ValueError, match=r"^K must be in \[1, 36\], got 37$"):
+        precompute(
+            Surface(*MESH),
+            TWO[0],
+            n=2,
+            M=3,
+            path=Path(),
+            directions=64,
+            K=37,
+            progress=lambda *s: steps.append(s[0]),
+        )
+    assert set(steps) == {"choosing tents"}
+
+
+def test_tents_that_miss_the_accuracy_are_reported():
+    with pytest.warns(UserWarning, match=r"^3 x 3 tents reach [0-9.]+ dB of the 40 asked for$"):
+        precompute(Surface(*MESH), TWO[1], n=3, M=3, directions=512, K=2, accuracy=40)
+
+
+def test_a_work_folder_that_is_a_file_is_refused_at_once(tmp_path):
+    (tmp_path / "work").write_bytes(b"")
+    with pytest.raises(OSError, match="work"):
+        precompute(
+            Surface(*MESH), TWO[0], work=tmp_path / "work", progress=lambda *step: pytest.fail("begun")
+        )
 
 
 # ---- What is odd but no error

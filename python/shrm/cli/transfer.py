@@ -139,16 +139,13 @@ def _variants(options: argparse.Namespace) -> list[str]:
 
 
 def _shares(mask: str, mesh: Mesh) -> npt.NDArray[np.float64]:
-    """The shares (V, 2) of two materials at the vertices, from a picture's luminance."""
+    """The shares (V, 2) of two materials at the vertices, from the mean of a picture's channels."""
     import numpy as np
 
     from shrm import image_io
-    from shrm.render.lookup import texture_lookup
 
-    if mesh.uv is None:
-        raise ValueError(f"{mesh.name}: it has no texture coordinates for --mask")
-    pixels = image_io.read_image(mask).pixels
-    second = np.clip(texture_lookup(pixels, mesh.uv)[:, :3].mean(axis=1, dtype=np.float64), 0, 1)
+    colours = mesh.texture_at_vertices(image_io.read_image(mask).pixels)
+    second = np.clip(colours[:, :3].mean(axis=1, dtype=np.float64), 0, 1)
     return np.stack([1 - second, second], axis=1)
 
 

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from shrm.render.camera import FloatArray, Vector
 from shrm.render.line_field import orthogonalised, unit
+from shrm.render.lookup import texture_lookup
 from shrm.render.placement import Placement, about_vertical
 from shrm.render.shapes import Hits
 from shrm.render.tangents import Tangents, principal_tangents, uv_tangents
@@ -171,6 +172,18 @@ class Mesh:
         """Centre (3,) of the bounding box, and radius of the ball about it that holds all vertices."""
         center = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
         return center, float(np.linalg.norm(self.vertices - center, axis=1).max())
+
+    def texture_at_vertices(self, texture: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        """Return a texture (H, W, C) at the vertices, (n, C): see `shrm.render.lookup.texture_lookup`.
+
+        Raises
+        ------
+        ValueError
+            If the mesh has no texture coordinates.
+        """
+        if self.uv is None:
+            raise ValueError(f"{self.name}: it has no texture coordinates")
+        return texture_lookup(texture, self.uv)
 
     @cached_property
     def vertex_tangents(self) -> FloatArray | None:

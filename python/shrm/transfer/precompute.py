@@ -7,7 +7,8 @@ was, and nothing larger than a block of vertices needs to fit in memory.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
@@ -44,6 +45,9 @@ _FINER = 4
 
 _COORDINATES = 256
 """Components whose coordinates clusters are found among."""
+
+_OF_CLUSTER = 3
+"""Components of a cluster."""
 
 _FACTORED = 2048
 """Columns up to which exact components are found as fast as random ones."""
@@ -100,7 +104,7 @@ def precompute(
         The material, anisotropic ones too; or several.
     shares : (V, materials) array_like, optional
         Of several materials at each vertex, at least 0: a material for each vertex, or blends, at no cost at
-        run time.
+        run time. Those of a texture are `shrm.render.Mesh.texture_at_vertices`.
     tangents : (V, 3) array_like, optional
         At the vertices, for anisotropic materials; by default around the vertical.
     n : int
@@ -121,7 +125,7 @@ def precompute(
     path : shrm.transfer.Path, optional
         Expansions on the way from rays to tents, instead of choosing.
     K : int, optional
-        Principal components, instead of choosing.
+        Principal components, instead of choosing; fewer where fewer are exact.
     clusters : int, optional
         Clusters of vertices with components of their own; K is then those of each, 3 unless given.
     half : bool
@@ -141,7 +145,7 @@ def precompute(
     Warns
     -----
     UserWarning
-        If the accuracy is not reached.
+        If the accuracy is not reached by what was chosen.
 
     Raises
     ------
@@ -154,9 +158,19 @@ def precompute(
     bounces = whole_number("bounces", bounces, 1, MOST_BOUNCES)
     accuracy = number("accuracy", accuracy, 0.0, 60.0)
     M = None if M is None else whole_number("M", M, 2, MOST_TENTS)
+    if path is not None and not isinstance(path, Way):
+        raise TypeError(f"path must be a shrm.transfer.Path, got {path!r}")
     K = None if K is None else whole_number("K", K, 1)
     clusters = None if clusters is None else whole_number("clusters", clusters, 1, len(vertices))
+    for name, flag in (("half", half), ("matrices", matrices)):
+        if not isinstance(flag, bool):
+            raise TypeError(f"{name} must be True or False, got {flag!r}")
+    if work is not None:
+        Path(work).mkdir(parents=True, exist_ok=True)
     wanted = _wanted(variants)
+    uv = None if mesh.uv is None else _uv(mesh.uv, len(vertices))
+    if np.abs(vertices).max() > np.finfo(np.float32).max:
+        raise ValueError(f"vertices must be within the range of float32, got {np.abs(vertices).max():.3g}")
     materials = Materials.of(brdf, shares, len(vertices))
     frames = _frames(mesh, vertices, tangents)
     rays = local_directions(whole_number("directions", directions, FEWEST_DIRECTIONS, MOST_DIRECTIONS))
@@ -166,11 +180,15 @@ def precompute(
     def stage(what: str) -> Callable[[int, int], None]:
         return lambda done, total: progress(what, done, total) if progress else None
 
-    hidden = wanted != ["unshadowed"]
+    hidden, given = wanted != ["unshadowed"], M is not None and path is not None
     sample = _sample(vertices, faces, frames, rays, hidden)
     M, path, snr = chosen(
         materials.brdfs, n, sample, accuracy, M=M, path=path, progress=stage("choosing tents")
     )
+    if K is not None:
+        K = whole_number("K", K, 1, M * M * materials.channels * n * n)
+    if snr < accuracy and not given:
+        warnings.warn(f"{M} x {M} tents reach {snr:.1f} dB of the {accuracy:g} asked for", stacklevel=2)
     products: list[Product] = []
     for one in materials.brdfs:
         stage("materials")(len(products), len(materials.brdfs))
@@ -218,7 +236,7 @@ def precompute(
         M=M,
         channels=channels,
         variants=found,
-        uv=None if mesh.uv is None else mesh.uv.astype(np.float32),
+        uv=uv,
         material=materials.name,
         report=report,
     )
@@ -226,12 +244,21 @@ def precompute(
 
 def _wanted(variants: Sequence[str]) -> list[str]:
     """The variants in their order."""
+    if not isinstance(variants, Iterable):
+        raise TypeError(f"variants must be names, got {variants!r}")
     names = [variants] if isinstance(variants, str) else list(variants)
     for name in names:
         one_of("variants", name, VARIANTS)
     if not names:
         raise ValueError("variants must name at least one, got none")
     return [name for name in VARIANTS if name in names]
+
+
+def _uv(uv: npt.ArrayLike, count: int) -> npt.NDArray[np.float32]:
+    array = rows("uv", uv, 2)
+    if len(array) != count:
+        raise ValueError(f"uv must have the shape ({count}, 2), got {array.shape}")
+    return array.astype(np.float32)
 
 
 def _frames(mesh: Surface, vertices: FloatArray, tangents: npt.ArrayLike | None) -> FloatArray:
@@ -270,16 +297,20 @@ def _compressed(
     factors: Factors, n: int, accuracy: float, K: int | None, clusters: int | None
 ) -> PrincipalComponents:
     """Components of a variant, as many as the accuracy takes or as are asked for."""
-    asked: dict[str, Any] = {"accuracy": accuracy} if K is None else {"K": K}
-    if clusters is not None:
-        asked = {"K": min(_COORDINATES, factors.rows[0].size)}
     outer = factors.outer
-    if outer is not None and outer.shape[1] * n * n <= _FACTORED:
+    small = outer is not None and outer.shape[1] * n * n <= _FACTORED
+    columns = factors.rows[0].size if small else factors.tents * factors.channels * n * n
+    asked: dict[str, Any] = {"accuracy": accuracy} if K is None else {"K": min(K, columns)}
+    if clusters is not None:
+        asked = {"K": min(max(_COORDINATES, K or 0), columns)}
+    if outer is not None and small:
         P = outer.reshape(factors.tents, factors.channels, -1)
         components = factored(P, factors.rows, **asked)
     else:
         components = streamed(_blocks(factors), **asked)
-    return components if clusters is None else clustered(components, clusters, 3 if K is None else K)
+    if clusters is None:
+        return components
+    return clustered(components, clusters, min(K or _OF_CLUSTER, components.K))
 
 
 def _blocks(factors: Factors) -> Callable[[], Iterator[npt.NDArray[np.float32]]]:
@@ -301,6 +332,4 @@ def _folder(work: str | Path | None) -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix="shrm-transfer-") as temporary:
             yield Path(temporary)
     else:
-        folder = Path(work)
-        folder.mkdir(parents=True, exist_ok=True)
-        yield folder
+        yield Path(work)
