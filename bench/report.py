@@ -7,13 +7,14 @@ A table stands between two markers, and the first says which it is:
     <!-- bench: analysis, synthesis -->  ...  <!-- /bench -->
 
 Names are groups of the benchmarks, whose rows say time, error and share of the machine's limit, or one of
-`machine` (its limits), `kernels`, `beside the prototype`, `Fourier`, `methods` and `crossover`.
+`machine` (its limits), `kernels`, `beside the prototype`, `Fourier`, `methods`, `crossover` and
+`transfer methods`.
 """
 
 import json
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -171,9 +172,42 @@ def crossover(results: Results) -> list[str]:
     return markdown(heads, rows)
 
 
+def transfer_methods(results: Results) -> list[str]:
+    """Return the ways to light an object with transfer: two numbers are with shadows and without."""
+    by_method: dict[str, dict[bool, Results]] = {}
+    for row in of_group(results, "transfer methods")[0]["extra_info"]["rows"]:
+        by_method.setdefault(row["method"], {})[row["shadowed"]] = row
+
+    def both(rows: dict[bool, Results], text: Callable[[Results], str]) -> str:
+        said = [text(rows[shadowed]) if shadowed in rows else "" for shadowed in (True, False)]
+        return " / ".join(one or "-" for one in said) if any(said) else ""
+
+    rows = [
+        [
+            method,
+            both(rows, lambda row: str(row["K"] or "")),
+            both(rows, lambda row: _megabytes(row["bytes"])),
+            both(rows, lambda row: f"{1 / row['seconds']:.0f}"),
+            both(rows, lambda row: f"{row['paper']:g}" if row["paper"] else ""),
+            both(rows, lambda row: f"{row['snr']:.1f}"),
+            both(rows, lambda row: f"{row['published']:.1f}" if row["published"] else ""),
+        ]
+        for method, rows in by_method.items()
+    ]
+    speeds, errors = ["frames/s", "frames/s [LK03]"], ["SNR, dB", "published path, dB"]
+    return markdown(["method", "K", "MB", *speeds, *errors], rows)
+
+
+def _megabytes(count: int) -> str:
+    if count < 1e4:
+        return "0"
+    return f"{count / 1e6:.0f}" if count >= 1e7 else f"{count / 1e6:.2g}"
+
+
 TABLES = {
     "methods": methods,
     "crossover": crossover,
+    "transfer methods": transfer_methods,
     "machine": machine,
     "kernels": kernels,
     "beside the prototype": beside_the_prototype,

@@ -86,6 +86,7 @@ CPP_ORDER = [
     ["transfer"],
     ["directional_basis"],
     ["radiance_pca"],
+    ["transfer_products"],
     ["transfer_views"],
     ["transfer_rows", "transfer_lighting"],
     ["transfer_tents", "transfer_compressed", "transfer_earlier"],

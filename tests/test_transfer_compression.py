@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from shrm.directional_basis import DirectionalBasis
+from shrm.transfer import compression
 from shrm.transfer.clusters import clustered
 from shrm.transfer.components import PrincipalComponents
 from shrm.transfer.compression import exact, factored, streamed
@@ -100,8 +101,15 @@ def test_all_components_leave_nothing():
 # Randomised
 
 
+@pytest.fixture(params=[0, compression.GRAM_COLUMNS], ids=["by blocks", "by the Gram matrix"])
+def columns(request, monkeypatch):
+    """Both ways of the randomised: on the blocks, and on the Gram matrix."""
+    monkeypatch.setattr(compression, "GRAM_COLUMNS", request.param)
+    return request.param
+
+
 @pytest.mark.parametrize("power", [0.6, 1.2])
-def test_the_randomised_are_within_a_tenth_of_a_decibel_of_the_exact(power):
+def test_the_randomised_are_within_a_tenth_of_a_decibel_of_the_exact(power, columns):
     A = slow_matrices(600, 1, seed=5, power=power)
     best, found = exact(A, K=40), streamed(A, K=40)
     loss = best.snr - found.snr
@@ -110,7 +118,7 @@ def test_the_randomised_are_within_a_tenth_of_a_decibel_of_the_exact(power):
     assert found.left[0] == pytest.approx(best.left[0], rel=1e-6)
 
 
-def test_blocks_from_anywhere_give_the_same_and_are_read_as_often_as_said(tmp_path):
+def test_blocks_from_anywhere_give_the_same_and_are_read_as_often_as_said(tmp_path, columns):
     A, reads = slow_matrices(90, 3, seed=6), []
 
     def blocks():
@@ -121,12 +129,13 @@ def test_blocks_from_anywhere_give_the_same_and_are_read_as_often_as_said(tmp_pa
     whole = streamed(A, K=8)
     parts = streamed(blocks, K=8, passes=2)
     mapped = streamed(np.load(tmp_path / "A.npy", mmap_mode="r"), K=8)
-    assert len(reads) == 1 + 2 + 1  # the shape, two passes, the last
+    # The shape, the Gram matrix or two passes and the values, the last
+    assert len(reads) == 1 + (1 if columns else 3) + 1
     np.testing.assert_array_equal(mapped.weights, whole.weights)
     np.testing.assert_allclose(parts.snr, whole.snr, atol=0.1)
 
 
-def test_the_randomised_are_the_same_each_time_and_for_other_seeds_nearly():
+def test_the_randomised_are_the_same_each_time_and_for_other_seeds_nearly(columns):
     A = slow_matrices(200, 1, seed=7)
     one, same, other = streamed(A, K=6), streamed(A, K=6), streamed(A, K=6, seed=1)
     np.testing.assert_array_equal(one.components, same.components)
@@ -165,7 +174,8 @@ def test_the_snr_is_that_of_random_views_and_lights():
     assert 10 * np.log10(signal.mean() / noise.mean()) == pytest.approx(pca.snr[-1], abs=4 * 4.35 * spread)
 
 
-def test_as_many_components_as_the_accuracy_takes():
+def test_as_many_components_as_the_accuracy_takes(columns, monkeypatch):
+    monkeypatch.setattr(compression, "_FIRST", 4)  # and then four times as many, again and again
     A = slow_matrices(150, 1, seed=10)
     snr = exact(A).snr
     for accuracy in (5.0, 12.0, 20.0):

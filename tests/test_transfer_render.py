@@ -1,14 +1,9 @@
-"""Radiance at vertices, and objects with transfer in the world, on the CPU and by the command."""
-
-import warnings
-from collections.abc import Callable
-from pathlib import Path
+"""Radiance at vertices, and objects with transfer in the world."""
 
 import numpy as np
 import pytest
 from directions import sphere
 from shrm import sh
-from shrm.image_io import ImageWarning, read_image, write_image
 from shrm.render import (
     Camera,
     Mesh,
@@ -27,8 +22,6 @@ from transfer_objects import N, globe, transferred
 SIZE = 48
 CAMERA = Camera((4.0, 2.0, 1.5), fov=32.0)
 SIDE = Camera((3.0, 1.0, 2.0), height=3.0)
-
-Command = Callable[..., tuple[int, str, str]]
 
 
 def globe_mesh(**given) -> Mesh:
@@ -159,118 +152,3 @@ def test_turning_object_light_and_eye_together_changes_nothing():
         light = thing.light(coefficients, R)
         lit.append(thing.lit(transfer.lighting(), light, turned_camera(CAMERA, degrees)).values)
     np.testing.assert_allclose(*lit, atol=1e-5 * np.abs(lit[0]).max())
-
-
-# ---- The command
-
-
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    path = tmp_path / "globe.shrt"
-    transferred().save(path)
-    return path
-
-
-def drawn(shrm: Command, folder: Path, *arguments: object) -> np.ndarray:
-    path = folder / "picture.exr"
-    size = ("--size", f"{SIZE}x{SIZE}", "--samples", 1)
-    status, out, err = shrm("render", *arguments, *size, "-o", path)
-    assert (status, err) == (0, "")
-    assert f"{SIZE} x {SIZE}" in out
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ImageWarning)  # without a background there is an alpha channel
-        return read_image(path).pixels
-
-
-def test_the_command_draws_what_the_library_does(shrm, sky, file, tmp_path):
-    plain = drawn(shrm, tmp_path, file, "--env", sky, "--no-background")
-    assert (plain.max(axis=2) > 0).mean() > 0.1
-    with_sky = drawn(shrm, tmp_path, file, "--env", sky)
-    covered = plain.max(axis=2) > 0
-    np.testing.assert_array_equal(with_sky[covered], plain[covered])
-    assert (with_sky[~covered] > 0).any()
-    for other in (
-        ["--variant", "unshadowed"],
-        ["--components", 2],
-        ["--tents", 3],
-        ["--distant"],
-        ["--turn", 90],
-    ):
-        assert np.abs(drawn(shrm, tmp_path, file, "--env", sky, *other) - with_sky).max() > 1e-4, other
-    full = ["--variant", "interreflected", "--tents", 5]
-    np.testing.assert_array_equal(drawn(shrm, tmp_path, file, "--env", sky, *full), with_sky)
-
-
-def test_the_gpu_draws_the_same(shrm, sky, file, tmp_path):
-    arguments = (file, "--env", sky, "--light-turn", 50, "--no-background")
-    cpu, gpu = drawn(shrm, tmp_path, *arguments), drawn(shrm, tmp_path, *arguments, "--gpu")
-    both = (cpu.max(axis=2) > 0) & (gpu.max(axis=2) > 0)
-    assert both.sum() > 0.95 * (cpu.max(axis=2) > 0).sum()
-    np.testing.assert_allclose(gpu[both], cpu[both], atol=1e-4 * cpu.max())
-
-
-def test_light_is_turned_once_or_on_a_turntable(shrm, sky, file, tmp_path):
-    once = drawn(shrm, tmp_path, file, "--env", sky, "--light-turn", 90)
-    arguments = (file, "--env", sky, "--size", f"{SIZE}x{SIZE}", "--samples", 1)
-    for kind in ("light", "camera"):
-        path = tmp_path / f"{kind}.exr"
-        status, _, err = shrm("render", *arguments, "--turntable", kind, "--frames", 4, "-o", path)
-        assert (status, err) == (0, "")
-    frame = read_image(tmp_path / "light-001.exr").pixels
-    np.testing.assert_array_equal(frame, once)
-    # The globe is round: to turn the light one way is to walk round it the other way, but for its facets.
-    walked = read_image(tmp_path / "camera-003.exr").pixels
-    assert np.abs(walked - once).mean() < 0.01 * once.mean()
-
-
-def test_a_texture_needs_texture_coordinates(shrm, sky, file, tmp_path):
-    write_image(tmp_path / "half.exr", np.full((2, 2, 3), 0.5, np.float32))
-    plain = drawn(shrm, tmp_path, file, "--env", sky, "--no-background")
-    half = drawn(shrm, tmp_path, file, "--env", sky, "--no-background", "--texture", tmp_path / "half.exr")
-    np.testing.assert_allclose(half, 0.5 * plain, rtol=1e-6)
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("--brdf", "ggx:0.3"),
-        ("--map", "map.exr"),
-        ("--mesh", "bunny.ply"),
-        ("--up", "z"),
-        ("--tangents", "uv"),
-        ("--method", "angular"),
-        ("--tolerance", "0.1"),
-        ("--orders", "3,2"),
-        ("--frames", "3"),
-        ("--tents", "0"),
-        ("--tents", "6"),
-        ("--components", "61"),
-    ],
-    ids="".join,
-)
-def test_options_of_materials_are_refused_in_one_line(shrm, file, tmp_path, arguments):
-    status, out, err = shrm("render", file, *arguments, "-o", tmp_path / "x.png")
-    assert (status, out) == (2, "")
-    assert len(err.splitlines()) == 1
-    assert not (tmp_path / "x.png").exists()
-
-
-@pytest.mark.parametrize("arguments", [("--variant", "shadowed"), ("--components", 3), ("--light-turn", 3)])
-def test_options_of_transfer_need_an_object_with_it(shrm, tmp_path, arguments):
-    status, _, err = shrm("render", "--brdf", "ggx:0.5", *arguments, "-o", tmp_path / "x.png")
-    assert status == 2
-    assert f"{arguments[0]} is for an object with transfer" in err
-    assert len(err.splitlines()) == 1
-
-
-@pytest.mark.parametrize(
-    "content", [None, b"", b"ply\n", b"\x00" * 100], ids=["missing", "empty", "ply", "zeros"]
-)
-def test_what_is_no_transfer_is_said_in_one_line(shrm, tmp_path, content):
-    path = tmp_path / "broken.shrt"
-    if content is not None:
-        path.write_bytes(content)
-    status, out, err = shrm("render", path, "-o", tmp_path / "x.png")
-    assert (status, out) == (1, "")
-    assert "broken.shrt" in err
-    assert len(err.splitlines()) == 1

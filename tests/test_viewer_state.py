@@ -35,6 +35,12 @@ def unlike_the_default() -> State:
         background=False,
         eye=Orbit(12.5, -3.0, 7.0, (1.0, 2.0, 3.0), 40.0),
         selected=1,
+        transfer="bunny.shrt",
+        variant="shadowed",
+        components=25,
+        tents=7,
+        window="lanczos",
+        turning=True,
     ).with_light(turned)
 
 
@@ -77,6 +83,13 @@ def test_a_saved_state_is_read_as_it_was(tmp_path: Path) -> None:
         {"exposure": "bright"},
         {"environment": None},
         {"background": 1},
+        {"transfer": 3},
+        {"variant": "dark"},
+        {"components": 0},
+        {"components": 2.5},
+        {"tents": 1},
+        {"window": "hamming"},
+        {"turning": 1},
         {"volume": 11},
     ],
     ids=str,

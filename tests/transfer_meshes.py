@@ -1,10 +1,23 @@
 """Meshes for the tests of matrix radiance transfer: vertices, faces and the vertices' normals."""
 
+from dataclasses import dataclass
+from pathlib import Path
+
 import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
 Mesh = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+@dataclass
+class Surface:
+    """What `precompute` takes."""
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    vertex_normals: np.ndarray
+    uv: np.ndarray | None = None
 
 
 def random_rotation(seed: int) -> np.ndarray:
@@ -85,9 +98,30 @@ def with_points(mesh: Mesh, points: np.ndarray, normals: np.ndarray) -> tuple[Me
     )
 
 
-def bumpy(seed: int) -> Mesh:
+def bumpy(seed: int, subdivisions: int = 2) -> Mesh:
     """A closed mesh with hollows: a sphere of random radii."""
-    mesh = trimesh.creation.icosphere(2)
+    mesh = trimesh.creation.icosphere(subdivisions)
     vertices = mesh.vertices * np.random.default_rng(seed).uniform(0.6, 1.4, (len(mesh.vertices), 1))
     mesh = trimesh.Trimesh(vertices, mesh.faces, process=False)
     return np.array(vertices), np.array(mesh.faces), np.array(mesh.vertex_normals)
+
+
+def simplified(path: Path, cells: int) -> Mesh:
+    """A mesh file whose vertices are drawn together in cubes, `cells` along the longest side."""
+    mesh = trimesh.load(path, process=False)
+    vertices = np.asarray(mesh.vertices, np.float64)
+    step = np.ptp(vertices, axis=0).max() / cells
+    cube = np.floor((vertices - vertices.min(axis=0)) / step).astype(int)
+    place = np.unique(cube, axis=0, return_inverse=True)[1].reshape(-1)
+    together = np.stack([np.bincount(place, vertices[:, c]) for c in range(3)], axis=1)
+    together /= np.bincount(place)[:, None]
+    faces = place[mesh.faces]
+    faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
+    faces = faces[np.unique(np.sort(faces, axis=1), axis=0, return_index=True)[1]]
+    used, numbers = np.unique(faces, return_inverse=True)
+    vertices, faces = together[used], numbers.reshape(-1, 3)
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    across, sums = np.cross(b - a, c - a), np.zeros_like(vertices)
+    for k in range(3):
+        np.add.at(sums, faces[:, k], across)
+    return vertices, faces, sums / np.linalg.norm(sums, axis=1, keepdims=True)

@@ -110,6 +110,7 @@
 //   hierarchical    the same sums by descent in the pyramid; walk is the descent, radial, zonal, isotropic
 //                   are the kinds of lobe
 //   directional_basis  matrix radiance transfer: tents over the hemisphere, for outgoing radiance
+//   transfer_products  its precomputation: matrices from what the rays of vertices see
 //   transfer_lighting  its run time: vertices lit through their matrices. Its parts:
 //                   views    where vertices see the eye, in their frames and between samples
 //                   rows     products of rows and light in vectors

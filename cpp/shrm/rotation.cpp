@@ -16,6 +16,8 @@ using Complex = std::complex<double>;
 typedef double Block __attribute__((vector_size(64)));
 typedef double UnalignedBlock __attribute__((vector_size(64), aligned(8)));
 
+constexpr int few_degrees = 16;  // which take less time than to wake threads
+
 inline const UnalignedBlock& load_block(const double* from) {
     return *reinterpret_cast<const UnalignedBlock*>(from);
 }
@@ -122,7 +124,7 @@ void Rotation::run(std::span<const double> coefficients, const glm::dmat3& R, st
         angle_.cos_powers[size(i)] = power(std::cos(alpha / 2), i);
         angle_.sin_powers[size(i)] = power(std::sin(alpha / 2), i);
     }
-#pragma omp parallel
+#pragma omp parallel if (F_ > few_degrees)
     {
         std::vector<double>& sums = sums_[size(omp_get_thread_num())];
         sums.resize(size(F_ + 1) * 2 * n * block);

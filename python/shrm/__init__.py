@@ -10,10 +10,10 @@ rendered in real time:
 
 The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `orders`, `reflection_map`,
 `explicit`, `reference`, `hierarchical`, `cost`, `prefiltering`, `prefiltered`, `methods`, `relighting`,
-`directional_basis`, `brdf_matrix`, `tangent_frames`, `render`.
+`directional_basis`, `brdf_matrix`, `tangent_frames`, `transfer`, `render`.
 """
 
-from shrm import brdf, explicit, orders, prefiltered, sh
+from shrm import brdf, explicit, orders, prefiltered, sh, transfer
 from shrm.environment import Environment
 from shrm.hierarchical import prefilter_hierarchical
 from shrm.image_io import ImageError, ImageWarning
@@ -40,4 +40,5 @@ __all__ = [
     "prefilter_hierarchical",
     "prefiltered",
     "sh",
+    "transfer",
 ]

@@ -270,6 +270,7 @@ class _LobeRows:
         self.lobe, self.n = lobe, n
         # Others keep their rows, but for a rotation, when the view turns about the normal.
         self.turns = lobe.kind == "anisotropic" or lobe.center == "tangent"
+        self.mirrored = self.turns and _is_mirrored(lobe)
         some = (0.0, np.pi / 4, np.pi / 2) if self.turns else (0.0,)
         centres = [lobe_centre(partial(self._transfer, phi=phi)) for phi in some]
         self.gamma = np.mean([gamma for gamma, _ in centres], axis=0)
@@ -280,10 +281,24 @@ class _LobeRows:
         """Rows (channels, k, n^2) at views (k, 3)."""
         theta = np.arctan2(np.hypot(views[:, 0], views[:, 1]), views[:, 2])
         phi = np.arctan2(views[:, 1], views[:, 0])
+        if self.mirrored:  # views of a quadrature are in fours: one of them is enough
+            return self._folded(views)
         if self.turns:
             return _rotated_about_z(self._rows(theta, phi, self.nodes), phi)
         unique, ring = np.unique(theta, return_inverse=True)
         return _rotated_about_z(self._rows(unique, 0 * unique, self.nodes)[:, ring], phi)
+
+    def _folded(self, views: FloatArray) -> FloatArray:
+        """Rows of a lobe that is its own mirror image in x and in y."""
+        some, which = np.unique(np.abs(views).round(_DIGITS), axis=0, return_inverse=True)
+        x, y, z = some.T
+        theta, phi = np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)
+        found = _rotated_about_z(self._rows(theta, phi, self.nodes), phi)[:, which.ravel()]
+        # x to -x takes phi to pi - phi: cos(m phi) by (-1)^m, sin(m phi) by -(-1)^m. y to -y: phi to -phi
+        order, sines = _degrees(self.n)[1] % 2 == 1, _degrees(self.n)[1] < 0
+        in_x, in_y = np.where(order ^ sines, -1.0, 1.0), np.where(sines, -1.0, 1.0)
+        signs = np.where(views[:, :1] < 0, in_x, 1.0) * np.where(views[:, 1:2] < 0, in_y, 1.0)
+        return np.asarray(found * signs)
 
     def _settled(self) -> tuple[tuple[int, int], float]:
         """Nodes for each panel and azimuths; the most that twice as many change at a view, over the RMS."""
@@ -345,6 +360,20 @@ _NODES = ((10, 16), (20, 32), (40, 64), (80, 128))
 _SAMPLED = np.array([0.05, 0.5, 1.0, 1.3, 1.5])
 _GRAZING = np.pi / 2 - 1e-6
 _BLOCK = 16
+_DIGITS = 12
+"""In which views are the same."""
+
+
+def _is_mirrored(lobe: Lobe) -> bool:
+    """Whether a lobe stays the same when both directions are mirrored in x, and in y; at random ones."""
+    rng = np.random.default_rng(0)
+    wi, wo = (w / np.linalg.norm(w, axis=1, keepdims=True) for w in rng.standard_normal((2, 64, 3)))
+    # About the tangent the frame has z = T: x and y of the normal's frame are z and x
+    axes = (2, 0) if lobe.center == "tangent" else (0, 1)
+    flips = [1 - 2 * np.eye(3)[axis] for axis in axes]
+    value = lobe.transfer(wi, wo)
+    near = 1e-12 * np.abs(value).max()
+    return all(np.abs(lobe.transfer(wi * flip, wo * flip) - value).max() <= near for flip in flips)
 
 
 def _rotated_about_z(rows: FloatArray, phi: FloatArray) -> FloatArray:

@@ -5,6 +5,7 @@ import numpy.typing as npt
 
 I32 = npt.NDArray[np.int32]
 I64 = npt.NDArray[np.int64]
+Bool = npt.NDArray[np.bool_]
 F16 = npt.NDArray[np.float16]
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -189,6 +190,9 @@ def hemisphere_from_square(*, positions: F64) -> F64: ...
 def tents(*, directions: F64, M: int) -> tuple[I64, F64]: ...
 def evaluate_tents(*, coefficients: F64, directions: F64, M: int) -> F64: ...
 def accumulate_tents(*, values: F64, directions: F64, M: int) -> F64: ...
+
+# transfer_products
+def sum_over_visible(*, rays: F32, harmonics: F32, visible: Bool, rotations: F32 | None = None) -> F32: ...
 
 # transfer_lighting
 class TransferSurface:

@@ -10,11 +10,11 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from shrm.cli import convert, demo, info, prefilter, render, reproduce, view
+from shrm.cli import convert, demo, info, prefilter, render, reproduce, transfer, view
 from shrm.cli.console import warnings_as_lines
 from shrm.faults import one_line
 
-COMMANDS = (demo, info, convert, prefilter, render, view, reproduce)
+COMMANDS = (demo, info, convert, prefilter, transfer, render, view, reproduce)
 
 
 class Parser(argparse.ArgumentParser):

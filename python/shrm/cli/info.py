@@ -1,8 +1,9 @@
 """Say what an environment map, a reflection map or a material holds.
 
 An environment: its size, its range, its mean radiance, and how its energy is spread over the
-degrees of spherical harmonics. A reflection map: its material, orders and error. A material: its
-lobes, its albedo, the orders that it needs.
+degrees of spherical harmonics. A reflection map: its material, orders and error. An object with transfer:
+its material, what its file keeps and how accurate that is. A material: its lobes, its albedo, the orders that
+it needs.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ def run(options: argparse.Namespace) -> None:
         raise argparse.ArgumentError(None, "needs an environment or --brdf")
     if options.env is not None and is_reflection_map(options.env):
         print(options.env, *map_lines(options.env), sep="\n")
+    elif options.env is not None and is_transfer(options.env):
+        print(options.env, *transfer_lines(options.env), sep="\n")
     elif options.env is not None:
         with progress("Reading the environment"):
             lines = environment_lines(read_environment(options))
@@ -69,6 +72,39 @@ def map_lines(path: str) -> list[str]:
             f"  lobe {index}         about the {part.center}, F = {part.F}, P = {part.P}, "
             f"{part.rings.shape[1]} maps, {part.layout} {part.size}"
         )
+    return lines
+
+
+def is_transfer(path: str) -> bool:
+    """Whether a file is one that `shrm transfer` wrote."""
+    from shrm.render import transferred
+
+    return transferred.is_transfer(path)
+
+
+def transfer_lines(path: str) -> list[str]:
+    """What an object with transfer holds, a line for each fact."""
+    from shrm.transfer import RadianceTransfer
+
+    made = RadianceTransfer.load(path)
+    snr = made.report.get("SNR of matrices")
+    lines = [
+        f"  {len(made.vertices)} vertices, {len(made.faces)} faces",
+        f"  material {made.material}, {'grey' if made.channels == 1 else 'RGB'}",
+        f"  light    of order {made.n}",
+        f"  tents    {made.M} x {made.M}, by way of {made.report.get('path', 'an unknown path')}: "
+        + ("exact" if snr is None else f"{snr:.1f} dB"),
+    ]
+    for name, variant in made.variants.items():
+        said = made.report.get("compression", {}).get(name, {})
+        kept = [] if variant.matrices is None else ["matrices"]
+        if variant.weights is not None:
+            clusters = (
+                "" if variant.clusters is None else f" in each of {int(variant.clusters.max()) + 1} clusters"
+            )
+            snr = said.get("SNR")
+            kept.insert(0, f"{variant.K} components{clusters}" + ("" if snr is None else f", {snr:.1f} dB"))
+        lines.append(f"  {name:15}{'; '.join(kept)}")
     return lines
 
 

@@ -127,22 +127,28 @@ VARIANTS = ("unshadowed", "shadowed", "interreflected")
 """Those of `shrm.transfer`."""
 
 
-def add_transfer(command: argparse.ArgumentParser) -> None:
-    """Add what is used of an object with transfer."""
+def add_transfer(command: argparse.ArgumentParser, *, row: bool = False) -> None:
+    """Add what is used of an object with transfer; in a row it may be several variants."""
     add = command.add_argument
     add(
         "--variant",
         choices=VARIANTS,
+        action="append" if row else "store",
         help="of an object with transfer: without shadows, with them, or with light between its parts too"
-        " (default: the most complete that it has)",
+        f" (default: the most complete that it has){'; repeat for a row of them' if row else ''}",
     )
     add("--components", type=whole, metavar="K", help="components of its transfer to use (default: all)")
-    add("--tents", type=whole, metavar="M", help="tents to a side, in place of more (default: all)")
+    add("--tents", type=tents, metavar="M", help="tents to a side, in place of more (default: all)")
+    add(
+        "--window",
+        choices=("hann", "lanczos"),
+        help="damp the high degrees of its light against ringing (default: no)",
+    )
 
 
 def of_transfer(options: argparse.Namespace) -> str | None:
     """Return the first option given that is for objects with transfer alone."""
-    names = ("variant", "components", "tents", "light_turn")
+    names = ("variant", "components", "tents", "window", "light_turn")
     return next((flag(name) for name in names if getattr(options, name, None) is not None), None)
 
 
@@ -196,6 +202,11 @@ def _between(text: str, low: float, high: float, needs: str) -> float:
     return value
 
 
+def positive(text: str) -> float:
+    """A finite number above 0."""
+    return _between(text, 0.0, math.inf, "a number above 0")
+
+
 def number(text: str) -> float:
     """A finite number."""
     return _number(text, "a number")
@@ -211,11 +222,16 @@ def _number(text: str, needs: str) -> float:
     return value
 
 
-def whole(text: str) -> int:
-    """A whole number of at least 1."""
-    if not (text.isascii() and text.isdigit()) or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a whole number of at least 1")
+def whole(text: str, least: int = 1) -> int:
+    """A whole number of at least 1, or so many."""
+    if not (text.isascii() and text.isdigit()) or int(text) < least:
+        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a whole number of at least {least}")
     return int(text)
+
+
+def tents(text: str) -> int:
+    """Tents to a side."""
+    return whole(text, 2)
 
 
 def orders(text: str) -> tuple[int, int]:

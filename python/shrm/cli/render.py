@@ -5,15 +5,13 @@ multiplied by 2^exposure, clipped at white and encoded by the sRGB curve; an .ex
 --gpu OpenGL draws the same picture, with or without a display.
 
 Materials and maps know no shadows and no interreflection. An object whose transfer `shrm transfer`
-has precomputed does; it stands alone, and has its material already.
+has precomputed does, and has its material already; every --variant adds one to a row.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from shrm.cli.console import progress
 from shrm.cli.options import (
@@ -29,18 +27,19 @@ from shrm.cli.options import (
     number,
     of_transfer,
     parse_brdf,
-    read_environment,
+    positive,
     view,
     whole,
 )
+from shrm.cli.stage import GPU_MAP_SIZE, Stage
 
 if TYPE_CHECKING:
     from shrm.brdf import BRDF
     from shrm.prefiltered import Prefiltered
     from shrm.reflection_map import ReflectionMap
     from shrm.relighting import Prefilter
-    from shrm.render import Picture, Reflection
-    from shrm.viewer import Renderer
+    from shrm.render import Camera, Object, Reflection
+    from shrm.render.camera import FloatArray
 
 EXAMPLE = "shrm render --env grace.hdr --brdf lambert:0.8 --brdf ggx:0.1 --mesh bunny.ply -o bunnies.png"
 
@@ -83,7 +82,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         " (angular) or in a pyramid of it (hierarchical); or by an earlier technique, an approximation: "
         f"{', '.join(TECHNIQUES)}. The tolerance of the last two kinds is 0.01 unless it is given",
     )
-    add_transfer(command)
+    add_transfer(command, row=True)
     add(
         "--light-turn",
         type=number,
@@ -111,6 +110,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         metavar="DEG",
         help="field of view of the wider side (default 30)",
     )
+    add("--zoom", type=positive, default=1.0, metavar="Z", help="enlarge what is in the middle, Z times")
     add_viewer(command, default="near")
     add("--gpu", action="store_true", help="draw with OpenGL; needs no display")
     add(
@@ -158,21 +158,10 @@ def run(options: argparse.Namespace) -> None:
             " --method shrm",
         )
     row = [saved(text) if kind == "map" else parse_brdf(text) for kind, text in options.row]
-    write(Stage(row, options), options)
+    write(MaterialStage(row, options), options)
 
 
-class Drawable(Protocol):
-    """Something to draw, and how large its pictures are."""
-
-    width: int
-    height: int
-
-    def draw(self, degrees: float, report: Callable[[float], None] | None) -> Picture:
-        """Draw it turned, as the turntable has it."""
-        ...
-
-
-def write(stage: Drawable, options: argparse.Namespace) -> None:
+def write(stage: Stage, options: argparse.Namespace) -> None:
     """Draw a picture, or all of a turntable, into files."""
     from shrm.render import numbered, write_picture
 
@@ -191,25 +180,19 @@ def write(stage: Drawable, options: argparse.Namespace) -> None:
     print(f"{names}: {stage.width} x {stage.height}, {said}")
 
 
-class Stage:
+class MaterialStage(Stage):
     """Objects in a row, their light and the camera, as the options have them."""
 
     def __init__(self, row: list[BRDF | ReflectionMap | Prefiltered], options: argparse.Namespace) -> None:
-        from shrm import image_io
-        from shrm.render import Mesh, Sphere, row_camera, row_picture
+        from shrm.render import Mesh, Sphere
 
-        self.options = options
-        self.env = read_environment(options)
+        super().__init__(options, len(row))
         mesh = None
         if options.mesh is not None:
             mesh = Mesh.read(options.mesh, up=options.up).with_tangents(options.tangents)
-        self.texture = None if options.texture is None else image_io.read_image(options.texture).pixels
-        extent: tuple[int, int] = options.size or row_picture(len(row), diameter=320)
-        self.width, self.height = extent
-        azimuth, elevation = options.view
-        self.camera, centers = row_camera(len(row), self.width / self.height, azimuth, elevation, options.fov)
         self.shapes = [
-            Sphere(center) if mesh is None else mesh.placed(center, turn=options.turn) for center in centers
+            Sphere(center) if mesh is None else mesh.placed(center, turn=options.turn)
+            for center in self.centers
         ]
         self.materials = [self._prefiltered(material) for material in row]
 
@@ -250,43 +233,16 @@ class Stage:
                 size=GPU_MAP_SIZE if options.gpu else None,
             )
 
-    def draw(self, degrees: float, report: Callable[[float], None] | None) -> Picture:
-        """Draw with the light or the camera turned, as the turntable has it."""
+    def objects(self, rotation: FloatArray, camera: Camera) -> list[Object]:
+        """Return them; those of one light alone cannot be turned."""
         from shrm.relighting import Prefilter
-        from shrm.render import Object, about_vertical, render, turned_camera
+        from shrm.render import Object
 
-        options, camera = self.options, self.camera
-        rotation = about_vertical(degrees if options.turntable == "light" else 0.0)
-        if options.turntable == "camera":
-            camera = turned_camera(camera, degrees)
         maps = [
             material.update(rotation=rotation) if isinstance(material, Prefilter) else material
             for material in self.materials
         ]
-        objects = [Object(shape, each, self.texture) for shape, each in zip(self.shapes, maps, strict=True)]
-        background = self.env if options.background else None
-        if options.gpu:
-            from shrm.viewer import Scene
-
-            return self._renderer.render(Scene(objects, camera, background, options.viewer, rotation))
-        if background is not None and options.turntable == "light":
-            background = background.rotated(rotation)
-        return render(
-            objects,
-            camera,
-            self.width,
-            self.height,
-            background=background,
-            viewer=options.viewer,
-            samples=options.samples,
-            progress=report,
-        )
-
-    @cached_property
-    def _renderer(self) -> Renderer:
-        from shrm.viewer import Renderer
-
-        return Renderer((self.width, self.height), samples=self.options.samples, map_size=GPU_MAP_SIZE)
+        return [Object(shape, each, self.texture) for shape, each in zip(self.shapes, maps, strict=True)]
 
 
 INTEGRATED = ("angular", "hierarchical")
@@ -297,9 +253,6 @@ SHRM_ERROR, INTEGRATION_ERROR = 0.05, 0.01
 
 FRAMES = 120
 """Pictures of a turntable."""
-
-GPU_MAP_SIZE = 128
-"""Edge of a face: look-ups on the GPU are bilinear, and want finer maps than cubic ones."""
 
 
 def saved(path: str) -> ReflectionMap | Prefiltered:

@@ -34,7 +34,10 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--fits", type=Path, metavar="DIR", help="folder with published fits to measured materials"
     )
     command.add_argument(
-        "--mesh", type=Path, metavar="FILE", help="mesh for kautz-figure-6, such as a teapot"
+        "--mesh",
+        type=Path,
+        metavar="FILE",
+        help="mesh for kautz-figure-6, such as a teapot, and for the results of lk-",
     )
     command.add_argument(
         "--quick", action="store_true", help="fewer rows and samples: to see that everything runs"

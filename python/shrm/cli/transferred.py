@@ -1,18 +1,20 @@
-"""An object with transfer, as `shrm render` draws it."""
+"""An object with transfer, as the commands open and draw it."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from functools import cached_property
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from shrm.cli.console import progress
-from shrm.cli.options import flag, read_environment
+from shrm.cli.options import flag
+from shrm.cli.stage import Stage
 
 if TYPE_CHECKING:
-    from shrm.render import Picture
-    from shrm.viewer import Renderer
+    from shrm.render import Camera, Object
+    from shrm.render.camera import FloatArray
+    from shrm.transfer.lighting import Lighting
+    from shrm.transfer.object import RadianceTransfer
 
 OF_MAPS = {"row": None, "mesh": None, "up": "y", "tangents": "axis", "method": "shrm"}
 """What an object with transfer has already or has no use for, with what these are if nobody gives them."""
@@ -34,64 +36,48 @@ def require_none_of_maps(options: argparse.Namespace) -> None:
             )
 
 
-class TransferredStage:
-    """An object with transfer, its light and the camera, as the options have them."""
+def opened(
+    path: str, options: argparse.Namespace, variants: Sequence[str | None]
+) -> tuple[RadianceTransfer, list[Lighting]]:
+    """Open an object with transfer, and choose of its variants what the options say; None: the default one.
+
+    Raises
+    ------
+    OSError, ValueError
+        If the file cannot be read.
+    argparse.ArgumentError
+        If it has no such variant, or not as many components or tents.
+    """
+    from shrm.transfer.object import RadianceTransfer
+
+    with progress("Opening the object"):
+        transfer = RadianceTransfer.load(path)
+        try:
+            lit = [transfer.lighting(one, K=options.components, M=options.tents) for one in variants]
+        except ValueError as fault:
+            raise argparse.ArgumentError(None, f"{path}: {fault}") from None
+    return transfer, lit
+
+
+class TransferredStage(Stage):
+    """Variants of an object with transfer in a row, their light and the camera, as the options have them."""
 
     def __init__(self, options: argparse.Namespace) -> None:
-        from shrm import image_io
-        from shrm.render import TransferredMesh, row_camera, row_picture
-        from shrm.render.transferred import load
+        from shrm.render import TransferredMesh
 
-        self.options = options
-        with progress("Opening the object"):
-            transfer = load(options.transfer)
-        try:
-            self.lighting = transfer.lighting(options.variant, K=options.components, M=options.tents)
-        except ValueError as fault:
-            raise argparse.ArgumentError(None, f"{options.transfer}: {fault}") from None
+        transfer, self.lighting = opened(options.transfer, options, options.variant or [None])
         if options.texture is not None and transfer.uv is None:
             raise ValueError(f"{options.transfer}: it has no texture coordinates for --texture")
-        self.thing = TransferredMesh.placed(transfer, turn=options.turn)
-        self.env = read_environment(options)
-        self.texture = None if options.texture is None else image_io.read_image(options.texture).pixels
-        extent: tuple[int, int] = options.size or row_picture(1, diameter=320)
-        self.width, self.height = extent
-        azimuth, elevation = options.view
-        self.camera, _ = row_camera(1, self.width / self.height, azimuth, elevation, options.fov)
+        super().__init__(options, len(self.lighting))
+        self.row = [TransferredMesh.placed(transfer, center, turn=options.turn) for center in self.centers]
 
-    def draw(self, degrees: float, report: Callable[[float], None] | None) -> Picture:
-        """Draw it turned, as the turntable has it."""
-        from shrm.render import Object, about_vertical, render, turned_camera
+    def objects(self, rotation: FloatArray, camera: Camera) -> list[Object]:
+        """Return them, lit for the camera."""
+        from shrm.render import Object
 
-        options, thing, camera = self.options, self.thing, self.camera
-        turn = options.light_turn or 0.0
-        if options.turntable == "light":
-            turn += degrees
-        elif options.turntable == "camera":
-            camera = turned_camera(camera, degrees)
-        rotation = about_vertical(turn)
-        light = thing.light(self.env.coefficients(thing.transfer.n - 1), rotation)
-        seen = Object(thing.mesh, thing.lit(self.lighting, light, camera, options.viewer), self.texture)
-        background = self.env if options.background else None
-        if options.gpu:
-            from shrm.viewer import Scene
-
-            return self._renderer.render(Scene([seen], camera, background, options.viewer, rotation))
-        if background is not None and turn % 360.0 != 0.0:
-            background = background.rotated(rotation)
-        return render(
-            [seen],
-            camera,
-            self.width,
-            self.height,
-            background=background,
-            viewer=options.viewer,
-            samples=options.samples,
-            progress=report,
-        )
-
-    @cached_property
-    def _renderer(self) -> Renderer:
-        from shrm.viewer import Renderer
-
-        return Renderer((self.width, self.height), samples=self.options.samples)
+        coefficients = self.env.coefficients(self.row[0].transfer.n - 1)
+        light = self.row[0].light(coefficients, rotation, self.options.window)
+        return [
+            Object(thing.mesh, thing.lit(lighting, light, camera, self.options.viewer), self.texture)
+            for thing, lighting in zip(self.row, self.lighting, strict=True)
+        ]

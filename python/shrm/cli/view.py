@@ -25,6 +25,7 @@ from shrm.cli.options import (
     of_transfer,
     parse_brdf,
 )
+from shrm.cli.transferred import opened
 
 if TYPE_CHECKING:
     from shrm.viewer.state import State
@@ -78,6 +79,8 @@ def run(options: argparse.Namespace) -> None:
     from pathlib import Path
 
     first = state(options)
+    if first.transfer is not None:  # what is wrong with it is said without a window
+        opened(first.transfer, options, [options.variant])
     from shrm.viewer.app import Application
 
     application = Application(first, *options.size, state_file=options.state and Path(options.state))
@@ -98,7 +101,7 @@ def state(options: argparse.Namespace) -> State:
     first = State.load(options.state) if saved else State()
     for text in options.materials or ():
         parse_brdf(text)
-    transfer, environment = opened(options)
+    transfer, environment = files(options)
     given = {
         "environment": environment if environment in (None, "daylight") else absolute(environment),
         "layout": options.env_layout,
@@ -119,6 +122,7 @@ def state(options: argparse.Namespace) -> State:
         "variant": options.variant,
         "components": options.components,
         "tents": options.tents,
+        "window": options.window,
     }
     changes = {name: value for name, value in given.items() if value is not None}
     if options.materials is not None or options.mesh is not None:  # other objects are fitted anew
@@ -133,7 +137,7 @@ def state(options: argparse.Namespace) -> State:
     return shown
 
 
-def opened(options: argparse.Namespace) -> tuple[str | None, str | None]:
+def files(options: argparse.Namespace) -> tuple[str | None, str | None]:
     """Return the paths of the object with transfer and of the environment, as far as they are given.
 
     Raises

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -60,6 +61,12 @@ class Camera:
         right = np.cross(forward, (1.0, 0.0, 0.0) if overhead else (0.0, 0.0, 1.0))
         right /= np.linalg.norm(right)
         return np.stack([right, np.cross(right, forward), forward])
+
+    def zoomed(self, factor: float) -> Camera:
+        """Return the camera from where it is, to which everything is larger by a factor above 0."""
+        reach = math.tan(math.radians(self.fov) / 2.0) / factor
+        height = None if self.height is None else self.height / factor
+        return replace(self, fov=math.degrees(2.0 * math.atan(reach)), height=height)
 
     def rays(
         self, columns: FloatArray, rows: FloatArray, width: int, height: int

@@ -167,6 +167,26 @@ class Mesh:
         return unit(sums[place])
 
     @cached_property
+    def ball(self) -> tuple[FloatArray, float]:
+        """Centre (3,) of the bounding box, and radius of the ball about it that holds all vertices."""
+        center = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
+        return center, float(np.linalg.norm(self.vertices - center, axis=1).max())
+
+    @cached_property
+    def vertex_tangents(self) -> FloatArray | None:
+        """Means (n, 3) of the tangents at vertices, of any length; None without a field of its own."""
+        if self.tangents is None:
+            return None
+        corners, lines = self.faces.ravel(), self.tangents.reshape(-1, 3)
+        # Signs mean nothing: those of a vertex are summed as they agree with its first one
+        first = np.zeros((len(self.vertices), 3))
+        first[corners[::-1]] = lines[::-1]
+        agree = np.where(np.einsum("nx,nx->n", lines, first[corners]) < 0.0, -1.0, 1.0)
+        sums = np.zeros_like(first)
+        np.add.at(sums, corners, agree[:, None] * lines)
+        return sums
+
+    @cached_property
     def _scene(self) -> Any:
         from embreex.mesh_construction import TriangleMesh
         from embreex.rtcore_scene import EmbreeScene

@@ -13,20 +13,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm import sh
+from shrm.prefiltering import Window, degree_window
 from shrm.render.camera import Camera, FloatArray, Vector
 from shrm.render.mesh import Mesh
 from shrm.render.placement import Placement
 from shrm.render.vertex_radiance import VertexRadiance
-
-if TYPE_CHECKING:
-    from shrm.transfer.lighting import Lighting
-    from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.file import MAGIC
+from shrm.transfer.lighting import Lighting
+from shrm.transfer.object import RadianceTransfer
 
 SUFFIX = ".shrt"
 
@@ -63,7 +63,9 @@ class TransferredMesh:
         """The mesh in the world."""
         return _mesh(self.transfer).moved(self.placement)
 
-    def light(self, coefficients: npt.ArrayLike, rotation: npt.ArrayLike) -> FloatArray:
+    def light(
+        self, coefficients: npt.ArrayLike, rotation: npt.ArrayLike, window: Window | None = None
+    ) -> FloatArray:
         """Turn light, then into the object's coordinates.
 
         Parameters
@@ -72,12 +74,14 @@ class TransferredMesh:
             Of the environment, k >= n^2 in the real basis of `shrm.sh`; those of higher degrees are left out.
         rotation : (3, 3) array_like
             L'(w) = L(R^T w).
+        window : {"hann", "lanczos"}, optional
+            See `low_degrees`.
 
         Returns
         -------
         (n^2, 3) float64
         """
-        low = np.asarray(coefficients)[: self.transfer.n**2]
+        low = low_degrees(coefficients, self.transfer.n, window)
         return sh.rotate(low, self.placement.R.T @ np.asarray(rotation, np.float64))
 
     def lit(
@@ -110,25 +114,18 @@ class TransferredMesh:
         return VertexRadiance(lighting.radiance(light, eye=eye))
 
 
-def load(path: str | Path) -> RadianceTransfer:
-    """Open a file of an object with transfer.
+def low_degrees(coefficients: npt.ArrayLike, n: int, window: Window | None = None) -> FloatArray:
+    """Return the coefficients (n^2, 3) of degrees 0 to n - 1, of (k, 3) with k >= n^2.
 
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If it is no such file, or one that was cut short.
+    A window weighs the degrees, so that beside a sun light does not ring: it is less than nothing there
+    without one.
     """
-    from shrm.transfer.object import RadianceTransfer
-
-    return RadianceTransfer.load(path)
+    weights = np.repeat(degree_window(window, n - 1), 2 * np.arange(n) + 1)
+    return weights[:, None] * np.asarray(coefficients, np.float64)[: n * n]
 
 
 def is_transfer(path: str | Path) -> bool:
     """Whether a file is an object with transfer: by its first bytes, or by a name that says so."""
-    from shrm.transfer.file import MAGIC
-
     if Path(path).suffix.lower() == SUFFIX:
         return True  # what is wrong with it, opening it says
     try:
@@ -139,10 +136,14 @@ def is_transfer(path: str | Path) -> bool:
 
 
 def _mesh(transfer: RadianceTransfer) -> Mesh:
-    """The mesh in the transfer's coordinates."""
+    """The mesh in the transfer's coordinates, with the tangents that its frames have."""
+    frames, faces = np.asarray(transfer.frames, np.float64), np.asarray(transfer.faces, np.int64)
+    tangents = frames[:, :, 0][faces]
+    against = np.einsum("fkx,fx->fk", tangents, tangents[:, 0]) < 0.0  # the signs agree within a face
     return Mesh(
         np.asarray(transfer.vertices, np.float64),
-        np.asarray(transfer.faces, np.int64),
-        np.asarray(transfer.frames, np.float64)[:, :, 2],
+        faces,
+        frames[:, :, 2],
         None if transfer.uv is None else np.asarray(transfer.uv, np.float64),
+        np.where(against[:, :, None], -tangents, tangents),
     )

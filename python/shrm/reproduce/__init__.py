@@ -1,4 +1,4 @@
-"""The tables and figures of [RH02] and [KVHS00], made again with the papers' own figures beside them.
+"""The tables and figures of [RH02], [KVHS00] and [LK03], made again with the papers' own figures beside them.
 
 Each module of this package makes one result: `NAME`, and `make(settings) -> Result`.
 
@@ -7,6 +7,7 @@ References
 [RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 [KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
     Maps. Eurographics Workshop on Rendering 2000.
+[LK03] J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
 """
 
 from __future__ import annotations
@@ -34,6 +35,11 @@ MODULES = (
     "kautz_figure_4",
     "kautz_figure_5",
     "kautz_figure_6",
+    "lk_table_1",
+    "lk_figure_2",
+    "lk_figure_3",
+    "lk_figure_4",
+    "lk_figure_5",
 )
 """In the papers' order. A module is imported when its result is made: plots are slow to load."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -112,6 +112,22 @@ class Truth:
         return Judged(this, picture, relative_rms(picture, self.picture), frames_error)
 
 
+class Pictured(Protocol):
+    """What there is a picture of."""
+
+    @property
+    def picture(self) -> Picture:
+        """Linear."""
+
+
+class Compared(Pictured, Protocol):
+    """What a picture is held against another for."""
+
+    @property
+    def error(self) -> float:
+        """Relative RMS, colours pooled."""
+
+
 @dataclass(frozen=True)
 class Block:
     """Two lines of a figure: the correct picture and others, and below them what they are off by.
@@ -120,14 +136,20 @@ class Block:
     ----------
     name : str
         Of the material.
-    truth : Truth
-    columns : sequence of (str, Judged)
+    truth : Pictured
+    columns : sequence of (str, Compared)
         Titles, of two lines, and what stands below them.
+    correct : str
+        The title of the correct picture.
+    gain : float
+        What differences are multiplied by.
     """
 
     name: str
-    truth: Truth
-    columns: Sequence[tuple[str, Judged]]
+    truth: Pictured
+    columns: Sequence[tuple[str, Compared]]
+    correct: str = "correct"
+    gain: float = 1.0
 
 
 CELL, LABEL, TITLE, GAP = 1.75, 0.35, 0.5, 0.45  # inches
@@ -154,24 +176,26 @@ def draw_blocks(blocks: Sequence[Block], beside: float = 0.0) -> Figure:
         top = TITLE + block * (2 * CELL + GAP) + line * CELL
         corner = (LABEL + CELL * column) / width, (height - top - CELL) / height
         axes = figure.add_axes((*corner, CELL / width, CELL / height))
-        show(axes, picture, exposures[block])
+        gain = float(np.log2(blocks[block].gain)) if line == 1 else 0.0
+        show(axes, picture, exposures[block] + gain)
         return axes
 
     for k, block in enumerate(blocks):
         axes = place(block.truth.picture, k, 0, 0)
-        axes.set_title("correct", fontsize=9)
+        axes.set_title(block.correct, fontsize=9)
         axes.set_ylabel(block.name, fontsize=9)
         for column, (title, judged) in enumerate(block.columns, start=1):
             place(judged.picture, k, 0, column).set_title(title, fontsize=9)
             axes = place(difference(judged.picture, block.truth.picture), k, 1, column)
             caption(axes, f"{judged.error:.1%}")
             if column == 1:
-                axes.set_ylabel("difference", fontsize=9)
+                times = "" if block.gain == 1.0 else f" x {block.gain:g}"
+                axes.set_ylabel(f"difference{times}", fontsize=9)
     return figure
 
 
 def unclipped(picture: Picture) -> float:
-    """Stops that put the 98th percentile of a sphere's strongest colour at its limit: little is clipped."""
+    """Stops that put the 98th percentile of what is covered, in its strongest colour, at its limit."""
     bright = np.percentile(picture.radiance[picture.coverage >= 0.5].max(axis=-1), 98.0)
     return -float(np.log2(bright)) if bright > 0 else 0.0
 

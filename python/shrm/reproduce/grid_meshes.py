@@ -1,14 +1,16 @@
-"""Meshes that are bent grids: the torus and the sphere of [KVHS00] section 5.2.
+"""Meshes that are bent grids: the torus and the sphere of [KVHS00] section 5.2, and for who has no mesh.
 
 References
 ----------
 [KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
     Maps. Eurographics Workshop on Rendering 2000.
+[LK03] J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
 """
 
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from shrm.brdf.lobe import FloatArray
 from shrm.render import Mesh
@@ -21,15 +23,37 @@ def torus(tilt: float = 0.0, tube: float = 0.4, around: int = 96, rings: int = 4
     middle = np.stack([np.cos(a), np.sin(a), np.zeros_like(a)], axis=1)
     c, s = np.cos(np.radians(tilt)), np.sin(np.radians(tilt))
     R = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    i, j = (k.ravel() for k in np.meshgrid(np.arange(around), np.arange(rings), indexing="ij"))
-    corners = [(x % around) * rings + y % rings for x, y in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
-    faces = [np.stack([corners[k] for k in triangle], axis=1) for triangle in ((0, 1, 2), (0, 2, 3))]
-    return Mesh((middle + tube * outward) @ R.T, np.concatenate(faces), outward @ R.T)
+    return Mesh((middle + tube * outward) @ R.T, _closed_faces(around, rings), outward @ R.T)
+
+
+def knot(around: int = 512, rings: int = 84, tube: float = 0.3) -> Mesh:
+    """Return a tube about a trefoil, wound about the vertical, with smooth normals: it shadows itself.
+
+    Its 43008 vertices are about as many as [LK03]'s objects have.
+    """
+    a, b = (angle[:, None] for angle in _grid(around, rings))
+    ring = np.concatenate([np.cos(2 * a), np.sin(2 * a), 0 * a], axis=1)
+    beside = np.concatenate([-np.sin(2 * a), np.cos(2 * a), 0 * a], axis=1)
+    up = np.array([0.0, 0.0, 1.0])
+    # Twice around a torus of radii 1 and .5 and thrice about its tube; `out` is the torus's normal
+    out, along = np.cos(3 * a) * ring + np.sin(3 * a) * up, -np.sin(3 * a) * ring + np.cos(3 * a) * up
+    tangent = 2 * (1 + 0.5 * np.cos(3 * a)) * beside + 1.5 * along
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    outward = np.cos(b) * out + np.sin(b) * np.cross(tangent, out)
+    return Mesh(ring + 0.5 * out + tube * outward, _closed_faces(around, rings), outward)
 
 
 def _grid(around: int, rings: int) -> tuple[FloatArray, FloatArray]:
     a, b = np.meshgrid(np.arange(around) / around, np.arange(rings) / rings, indexing="ij")
     return 2 * np.pi * a.ravel(), 2 * np.pi * b.ravel()
+
+
+def _closed_faces(around: int, rings: int) -> npt.NDArray[np.int64]:
+    """Two triangles for every cell of a grid that closes in both directions."""
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(around), np.arange(rings), indexing="ij"))
+    corners = [(x % around) * rings + y % rings for x, y in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+    faces = [np.stack([corners[k] for k in triangle], axis=1) for triangle in ((0, 1, 2), (0, 2, 3))]
+    return np.concatenate(faces)
 
 
 def ball(around: int = 36, bands: int = 37) -> Mesh:

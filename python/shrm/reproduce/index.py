@@ -17,8 +17,9 @@ def write_index(folder: Path, settings: Settings, results: Sequence[Result]) -> 
     lines = [
         "# Frequency Space Environment Map Rendering, made again",
         "",
-        "Columns and marks called [RH02], or [KVHS00] (A Unified Approach to Prefiltered Environment Maps), "
-        "are the papers' own figures; all others were computed in this run.",
+        "Columns and marks called [RH02], [KVHS00] (A Unified Approach to Prefiltered Environment Maps) or "
+        "[LK03] (Matrix Radiance Transfer) are the papers' own figures; all others were computed in this "
+        "run.",
         "",
         f"- Environment: {settings.env_name}, {W} x {H} as lat-long",
         f"- Fits to measured materials: {'none' if settings.fits is None else settings.fits.name}",

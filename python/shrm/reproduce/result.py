@@ -73,7 +73,7 @@ class Result:
 
     def markdown(self, level: int = 1) -> str:
         """Return the table with its title, picture and notes; the title is a heading of that level."""
-        lines = [f"{'#' * level} {self.name.replace('-', ' ').capitalize()}: {self.title}", ""]
+        lines = [f"{'#' * level} {_heading(self.name)}: {self.title}", ""]
         lines += [_row(self.columns), _row("---" for _ in self.columns)]
         lines += [_row(_shown(cell) for cell in row) for row in self.rows]
         lines += ["", f"![{self.title}]({self.name}.png)"] if self.figure is not None else []
@@ -109,6 +109,12 @@ def write_whole(path: Path, content: bytes) -> None:
         os.replace(beside, path)
     finally:
         beside.unlink(missing_ok=True)
+
+
+def _heading(name: str) -> str:
+    """Return what a result is called in a heading: Table 4, Kautz figure 3, LK figure 2."""
+    first, *rest = name.split("-")
+    return " ".join([first.upper() if len(first) == 2 else first.capitalize(), *rest])
 
 
 def _row(cells: Iterable[str]) -> str:

@@ -75,9 +75,10 @@ def measured(made: Product, expected: Float32Array, sample: Sample) -> float:
     """Return the relative SNR of a product against `reference`, in dB."""
     Y = harmonics(sample.directions, round(np.sqrt(expected.shape[2]))).astype(np.float32)
     A = accumulate(made.rays, sample.visible, Y)
-    tents = A.reshape(len(A), made.basis.size, -1)
-    found = np.stack([made.basis.evaluate(one, views()) for one in tents])
-    return relative_snr(expected, found.reshape(expected.shape))
+    tents = np.moveaxis(A.reshape(len(A), made.basis.size, -1), 1, 0)
+    found = made.basis.evaluate(tents.reshape(len(tents), -1), views())
+    by_vertex = np.moveaxis(found.reshape(len(found), len(A), -1, expected.shape[2]), 1, 0)
+    return relative_snr(expected, by_vertex.reshape(expected.shape))
 
 
 def chosen(
@@ -107,26 +108,34 @@ def chosen(
         Called with the number of tents tried and to be tried.
     """
     expected = [reference(brdf, n, sample) for brdf in brdfs]
+    enough = accuracy + MARGIN
 
-    def worst(M: int, path: Path, points: int = 2) -> float:
-        made = (product(brdf, M, n, sample.directions, path, points) for brdf in brdfs)
+    def worst(M: int, path: Path) -> float:
+        made = (product(brdf, M, n, sample.directions, path, points=2) for brdf in brdfs)
         return min(measured(one, rows, sample) for one, rows in zip(made, expected, strict=True))
 
     paths = (path,) if path else (Path(), *(Path(order, m=8) for order in (n, 8) if order >= n))
-    best: tuple[int, Path, float] | None = None
+    # Of the paths that are tried the first is the most accurate. More tents are more accurate and take
+    # longer: from the middle on upwards, or downwards as long as they will do.
     tried = TENTS if M is None else (M,)
-    for k, count in enumerate(tried):
-        progress(k, len(tried))
-        found = worst(count, paths[0])  # of the paths that are tried the most accurate
-        if best is None or found > best[2]:
-            best = count, paths[0], found
-        if found >= accuracy + MARGIN:
+    start = len(tried) // 2 - 1 if M is None else 0
+    found = {start: worst(tried[start], paths[0])}
+    progress(1, len(tried))
+    step = -1 if found[start] >= enough else 1
+    k = start
+    while 0 <= k + step < len(tried):
+        k += step
+        found[k] = worst(tried[k], paths[0])
+        progress(len(found), len(tried))
+        if (found[k] >= enough) == (step > 0):
             break
-    assert best is not None
+    will_do = [k for k in found if found[k] >= enough]
+    k = min(will_do) if will_do else max(found, key=lambda one: found[one])
+    best = tried[k], paths[0], found[k]
     for other in paths[1:]:
-        found = worst(best[0], other)
-        if found >= accuracy + MARGIN:
-            best = best[0], other, found
+        snr = worst(tried[k], other)
+        if snr >= enough:
+            best = tried[k], other, snr
             break
     progress(len(tried), len(tried))
     return best

@@ -110,7 +110,7 @@ def leaving(
     if not visibility.hits:
         raise ValueError(_NO_HITS)
     bounces = whole_number("bounces", bounces, 1, MOST_BOUNCES)
-    reflected = _albedo(albedo, len(visibility.vertices))[:, :, None] / np.pi
+    reflected = albedos(albedo, len(visibility.vertices))[:, :, None] / np.pi
     E = irradiance(visibility, n)[:, None, :]  # the same for every channel
     L: FloatArray = reflected * E
     for done in range(1, bounces):
@@ -242,8 +242,8 @@ def _cosines(directions: FloatArray) -> FloatArray:
     return np.asarray(2 * np.pi / len(directions) * directions[:, 2])
 
 
-def _albedo(albedo: npt.ArrayLike, count: int) -> FloatArray:
-    """Albedos (V or 1, C)."""
+def albedos(albedo: npt.ArrayLike, count: int) -> FloatArray:
+    """Return albedos (V or 1, C), see `leaving`; TypeError or ValueError if they are not as described."""
     array = real_array("albedo", albedo)
     if array.shape == (3,):
         array = array[None]

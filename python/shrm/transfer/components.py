@@ -19,6 +19,10 @@ _HALF_EXPONENT = 13
 """Half weights alone are below 2^14: far from overflow, and with all their digits down to 2^-28 of that."""
 
 
+_VERTICES = 4096
+"""Vertices that are taken together where arrays would be large."""
+
+
 @dataclass(frozen=True, eq=False)
 class PrincipalComponents:
     """A_p ~ sum_k w_pk A_k [LK03 eq. 12], or with components for each cluster of vertices [SHHS03].
@@ -121,7 +125,7 @@ class PrincipalComponents:
         halves = [name for name in ("weights", "components") if getattr(self, name).dtype == np.float16]
         result: dict[str, Any] = {"K": self.K, "SNR": snr[-1], "SNR of 1 to K": snr, "half floats": halves}
         if halves:
-            with np.errstate(divide="ignore"):
+            with np.errstate(divide="ignore", invalid="ignore"):  # of matrices that are all zero
                 alone = 10 * float(np.log10(self.left[0]) - np.log10(self.rounding[-1]))
             result["SNR of rounding"] = round(alone, 3) if np.isfinite(alone) else None
         if self.clusters is not None:
@@ -152,12 +156,16 @@ def _rounding(
     one = gram_of_one_dimension(round(np.sqrt(tents)))
     M, total = len(one), np.zeros((K, K))
     for q in range(Q):
-        w, w2 = (array[index == q].astype(np.float64) for array in (weights, few))
+        members = np.flatnonzero(index == q)
+        of_factors = np.zeros((2 * K, 2 * K))
+        for some in np.split(members, np.arange(_VERTICES, len(members), _VERTICES)):
+            w, w2 = (array[some].astype(np.float64) for array in (weights, few))
+            factors = np.concatenate([w - w2, w2], axis=1)
+            of_factors += factors.T @ factors
         A, A2 = (array[q].astype(np.float64) for array in (forms, coarse))
-        factors = np.concatenate([w - w2, w2], axis=1)
         parts = np.concatenate([A, A - A2]).reshape(2 * K, M, M, -1)
         weighed = 2 * np.pi * np.einsum("ij,kl,ajlx->aikx", one, one, parts, optimize=True)
-        products = (factors.T @ factors) * (parts.reshape(2 * K, -1) @ weighed.reshape(2 * K, -1).T)
+        products = of_factors * (parts.reshape(2 * K, -1) @ weighed.reshape(2 * K, -1).T)
         total += products.reshape(2, K, 2, K).sum(axis=(0, 2))
     leading = np.diagonal(total.cumsum(axis=0).cumsum(axis=1))
     return np.asarray(np.maximum(np.append(0.0, leading), 0))

@@ -13,11 +13,17 @@ them is the sum of the eigenvalues beyond. SNRs are relative to uncompressed rad
 `factored`  exact, for A_p = P X_p with one P for all vertices, as one material gives; never forms A
 `exact`     exact, for matrices that fit in memory several times over
 `streamed`  randomised, by subspace iteration [HMT11 algorithm 4.4], for matrices on disk, read in blocks
+
+References
+----------
+[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
+[HMT11] N. Halko, P.-G. Martinsson, J. Tropp. Finding structure with randomness. SIAM Review 53(2), 2011.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -31,12 +37,24 @@ FloatArray = npt.NDArray[np.float64]
 Blocks = Array | Callable[[], Iterable[Array]]
 """Matrices (V, M^2, C, n^2), mapped from disk maybe; or what gives them anew, in order, in blocks."""
 
-MOST = 128
+Read = Callable[[], Iterator[npt.NDArray[np.float32]]]
+"""The same, blocks in float32."""
+
+MOST = 512
 """The largest K of `streamed`, unless it is told."""
 
 PASSES = 3
-"""Of `streamed` over the matrices before the last. With the extra columns below these lose less than .1 dB
-against the exact components where singular values fall as slowly as those of shadowed matrices do."""
+"""Of `streamed` over the matrices. With the extra columns below these lose less than .1 dB against the exact
+components where singular values fall as slowly as those of shadowed matrices do."""
+
+GRAM_COLUMNS = 4096
+"""Numbers of a matrix up to which `streamed` keeps the Gram matrix of all vertices, at most 128 MB."""
+
+_FIRST = 96
+"""The K that is tried first where an accuracy decides; and then four times as many."""
+
+_MORE = 8
+"""Components beyond those that the iteration thinks are enough, which the last pass then decides."""
 
 _BLOCK_BYTES = 1 << 25
 
@@ -121,11 +139,12 @@ def streamed(
     passes: int = PASSES,
     seed: int = 0,
 ) -> PrincipalComponents:
-    """Return principal components of matrices that are read in blocks, `passes` + 1 times.
+    """Return principal components of matrices that are read in blocks.
 
-    The space of the largest components is found by iteration from a random one [HMT11 algorithm 4.4]. The
-    energy that is left outside is summed in the last pass, so that the SNR of every K is that of these
-    components, whatever iteration has missed. Takes memory for 1.5 K (V + M^2 C n^2) numbers.
+    The space of the largest components is found by iteration from a random one [HMT11 algorithm 4.4]. Up to
+    `GRAM_COLUMNS` numbers of a vertex it iterates on the Gram matrix of all vertices, for which the blocks
+    are read once; beyond on the blocks, read for each pass and once more. The energy that is left outside is
+    summed in a last pass, so that the SNR of every K is that of these components, whatever iteration missed.
 
     Parameters
     ----------
@@ -139,7 +158,7 @@ def streamed(
     most : int
         The largest K where it is not given.
     passes : int
-        Over the matrices before the last, at least 1.
+        Of the iteration, at least 1.
     seed : int
         Of the random space at the start.
 
@@ -154,20 +173,34 @@ def streamed(
     """
     passes = whole_number("passes", passes, 1)
     read = _blocks(matrices)
-    _, tents, C, n2 = _matrices_shape(next(iter(read()), np.zeros((0, 0))))
+    _, tents, C, n2 = shape = _matrices_shape(next(iter(read()), np.zeros((0, 0))))
     sides, size = _Sides(tents), tents * C * n2
     most = _asked(K, accuracy, size, min(whole_number("most", most, 1), size))
-    columns = min(size, most + max(16, most // 2))
-    X = np.random.default_rng(seed).standard_normal((size, columns))
-    for _ in range(passes):
-        X = np.linalg.qr(_times_gram(read, X, sides, (tents, C, n2)))[0]
-    Y, outside = _projected(read, X, sides, (tents, C, n2))
-    values, vectors = _descending(Y.T.astype(np.float64) @ Y)
-    left = outside + np.append(np.cumsum(values[::-1])[::-1], 0.0)
-    count = components_for(accuracy, left, most)
-    kept = vectors[:, :count]
-    components = sides.times(sides.inverse.T, (X @ kept).T.reshape(count, tents, C, n2))
-    return PrincipalComponents.of(Y @ kept.astype(np.float32), components, left[: count + 1])
+    gram = (_Gram if size <= GRAM_COLUMNS else _BlocksGram)(read, sides, shape[1:])
+    rng, X = np.random.default_rng(seed), np.empty((size, 0))
+    count = most if accuracy is None else min(_FIRST, most)
+    while True:
+        columns = min(size, count + max(16, count // 2))
+        X = np.concatenate([X, rng.standard_normal((size, columns - X.shape[1]))], axis=1)
+        for _ in range(passes - 1):
+            X = _conditioned(gram.times(X))
+        X = np.linalg.qr(gram.times(X))[0]
+        values, vectors = _descending(X.T @ gram.times(X))
+        if accuracy is None or count == most:
+            break
+        enough = np.cumsum(values[:count]) >= gram.energy * (1 - 10 ** (-accuracy / 10))
+        if enough.any():
+            count = min(int(enough.argmax()) + 1 + _MORE, most)
+            break
+        count = min(4 * count, most)
+    X = X @ vectors[:, :count]
+    Y, outside = _projected(read, X, sides, shape[1:])
+    # Components are orthonormal: each keeps the energy of its own coordinates
+    kept = np.einsum("pk,pk->k", Y, Y, dtype=np.float64)
+    left = outside + np.append(np.cumsum(kept[::-1])[::-1], 0.0)
+    count = components_for(accuracy, left, count)
+    components = sides.times(sides.inverse.T, X[:, :count].T.reshape(count, *shape[1:]))
+    return PrincipalComponents.of(Y[:, :count], components, left[: count + 1])
 
 
 class _Sides:
@@ -188,23 +221,61 @@ class _Sides:
         return np.asarray(along_u.reshape(rows.shape))
 
 
-def _times_gram(
-    read: Callable[[], Iterator[Array]], X: FloatArray, sides: _Sides, shape: tuple[int, int, int]
-) -> FloatArray:
-    """Return A^T A X of whitened A, (M^2 C n^2, columns): X and the result take the factors, not A."""
-    inward = sides.times(sides.L, X.T.reshape(-1, *shape)).reshape(X.shape[::-1]).T.astype(np.float32)
-    total = np.zeros(X.shape)
-    for block in read():
-        rows = block.reshape(len(block), -1)
-        total += rows.T @ (rows @ inward)
-    if not np.isfinite(total).all():
-        raise ValueError("matrices must be finite")
-    outward = sides.times(sides.L.T, total.T.reshape(-1, *shape))
-    return np.ascontiguousarray(outward.reshape(X.shape[::-1]).T)
+def _conditioned(X: FloatArray) -> FloatArray:
+    """Return columns that span the same and are far from dependent, at the cost of a product."""
+    S = X.T @ X
+    shift = 1e-12 * np.trace(S)
+    if shift == 0:
+        return X
+    L = np.linalg.cholesky(S + shift * np.eye(len(S)))
+    return np.asarray(X @ np.linalg.inv(L).T)
+
+
+class _Gram:
+    """A^T A of whitened A (V, M^2 C n^2)."""
+
+    def __init__(self, read: Read, sides: _Sides, shape: tuple[int, ...]) -> None:
+        size = int(np.prod(shape))
+        self.matrix = np.zeros((size, size))
+        for block in read():
+            whitened = sides.times(sides.L.T, block).reshape(len(block), size)
+            self.matrix += whitened.T @ whitened
+        self.energy = float(np.trace(self.matrix))
+        if not np.isfinite(self.energy):
+            raise ValueError("matrices must be finite")
+
+    def times(self, X: FloatArray) -> FloatArray:
+        return self.matrix @ X
+
+
+class _BlocksGram:
+    """The same, never formed: columns take the factors, not A, and every product reads the blocks."""
+
+    def __init__(self, read: Read, sides: _Sides, shape: tuple[int, ...]) -> None:
+        self.read, self.sides, self.shape = read, sides, shape
+
+    @cached_property
+    def energy(self) -> float:
+        """The trace."""
+        whitened = (self.sides.times(self.sides.L.T, block) for block in self.read())
+        return sum(float(np.vdot(rows, rows)) for rows in whitened)
+
+    def times(self, X: FloatArray) -> FloatArray:
+        sides = self.sides
+        inward = sides.times(sides.L, X.T.reshape(-1, *self.shape)).reshape(X.shape[::-1])
+        inward = inward.T.astype(np.float32)
+        total = np.zeros(X.shape)
+        for block in self.read():
+            rows = block.reshape(len(block), -1)
+            total += rows.T @ (rows @ inward)
+        if not np.isfinite(total).all():
+            raise ValueError("matrices must be finite")
+        outward = sides.times(sides.L.T, total.T.reshape(-1, *self.shape))
+        return np.ascontiguousarray(outward.reshape(X.shape[::-1]).T)
 
 
 def _projected(
-    read: Callable[[], Iterator[Array]], X: FloatArray, sides: _Sides, shape: tuple[int, int, int]
+    read: Read, X: FloatArray, sides: _Sides, shape: tuple[int, ...]
 ) -> tuple[npt.NDArray[np.float32], float]:
     """Return coordinates (V, columns) in the orthonormal X, and the energy outside its span.
 
@@ -222,7 +293,7 @@ def _projected(
     return np.concatenate(coordinates), outside
 
 
-def _blocks(matrices: Blocks) -> Callable[[], Iterator[npt.NDArray[np.float32]]]:
+def _blocks(matrices: Blocks) -> Read:
     """What gives the blocks, in float32, checked against the first."""
     if not callable(matrices):
         _matrices_shape(matrices)

@@ -144,7 +144,7 @@ def load(path: str | Path, *, verify: bool = False) -> RadianceTransfer:
         raise TransferFileError(f"{path}: {fault}") from None
     except (KeyError, ValueError, TypeError, OverflowError, RecursionError) as fault:
         text = " ".join(str(fault).split())
-        raise TransferFileError(f"{path}: damaged transfer file ({text})") from fault
+        raise TransferFileError(f"{path}: damaged transfer file ({text[:150]})") from fault
 
 
 class _ContentError(ValueError):
@@ -305,7 +305,7 @@ def _arrays(
         name, dtype, shape = str(entry["name"]), entry["dtype"], entry["shape"]
         if name in arrays or dtype not in _DTYPES.get(name.rpartition("/")[2], ()):
             raise ValueError(f"array {name!r} of type {dtype!r}")
-        if not isinstance(shape, list) or not all(_whole(s, 1, len(data)) for s in shape):
+        if not isinstance(shape, list) or len(shape) > 5 or not all(_whole(s, 1, len(data)) for s in shape):
             raise ValueError(f"{name} of shape {shape}")
         offset, size = _aligned(end), math.prod(shape) * np.dtype(dtype).itemsize
         end = offset + size

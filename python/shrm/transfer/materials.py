@@ -15,6 +15,9 @@ from shrm.validation import real_array
 FloatArray = npt.NDArray[np.float64]
 Float32Array = npt.NDArray[np.float32]
 
+MOST_SHARE = 1e6
+"""The largest share; those of a blend sum to 1, others are as much brighter."""
+
 
 @dataclass(frozen=True, eq=False)
 class Materials:
@@ -37,9 +40,9 @@ class Materials:
         Raises
         ------
         TypeError, ValueError
-            If they are no materials, or the shares are not (vertices, materials) numbers of at least 0.
+            If they are no materials, or the shares are not (vertices, materials) numbers in [0, 1e6].
         """
-        brdfs = (brdf,) if isinstance(brdf, BRDF) else tuple(brdf)
+        brdfs = tuple(brdf) if isinstance(brdf, Sequence) else (brdf,)
         if not brdfs or not all(isinstance(one, BRDF) for one in brdfs):
             raise TypeError(f"brdf must be a material of shrm.brdf, or several, got {brdf!r}")
         if shares is None:
@@ -49,8 +52,8 @@ class Materials:
         array = real_array("shares", shares)
         if array.shape != (vertices, len(brdfs)):
             raise ValueError(f"shares must have the shape {(vertices, len(brdfs))}, got {array.shape}")
-        if array.min() < 0:
-            raise ValueError(f"shares must be at least 0, got {array.min():g}")
+        if array.min() < 0 or array.max() > MOST_SHARE:
+            raise ValueError(f"shares must be in [0, {MOST_SHARE:g}], got {array.min():g} to {array.max():g}")
         return cls(brdfs, array.astype(np.float32))
 
     @property

@@ -61,7 +61,7 @@ class Factors:
             return self.rows.reshape(shape)
         return stored(
             path,
-            {"digest": _digest(outer, self.rows[:1])},
+            {"digest": _digest(outer, self.rows)},
             (V, len(outer), n2),
             _parts(V),
             lambda part: np.matmul(outer, self.rows[part]),
@@ -142,13 +142,13 @@ class Matrices:
         def make(part: slice) -> Float32Array:
             block = visibility[part.start // visibility.block]
             if inner is not None:
-                rows = rotated(accumulate(inner, block.visible, Y), self.frames[part])
+                rows = accumulate(inner, block.visible, Y, self.frames[part])
                 if leaving is not None:
                     _reflect(rows[:, :, None], inner[:, None], block, visibility, leaving)
                 return rows
             total = np.zeros((len(block.visible), self.tents * self.channels, self.n**2), np.float32)
             for made, share in self._shares(part):
-                rows = rotated(accumulate(made.rays, block.visible, Y), self.frames[part])
+                rows = accumulate(made.rays, block.visible, Y, self.frames[part])
                 rows = self._as_channels(rows)
                 if leaving is not None:
                     by_channel = rows.reshape(len(rows), self.tents, self.channels, -1)
@@ -164,7 +164,8 @@ class Matrices:
         name = "shadowed" if leaving is None else "interreflected"
         extra = () if leaving is None else (leaving,)
         count = self.tents * self.channels if inner is None else len(inner)
-        rows = self._stored(name, count, parts, make, progress, visibility.directions, *extra)
+        seen = (visibility.directions, visibility.vertices, visibility.faces)
+        rows = self._stored(name, count, parts, make, progress, *seen, *extra)
         if inner is None:
             return Factors(self.tents, self.channels, rows)
         outer = first.outer

@@ -6,24 +6,22 @@ All arrays are as `shrm.transfer.file` writes them; those of a loaded object are
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from shrm.directional_basis import MOST_TENTS, DirectionalBasis
+from shrm.directional_basis import DirectionalBasis
 from shrm.transfer.lighting import Compressed, Lighting, Tents
+from shrm.transfer.surface import MOST_ORDER, MOST_TENTS
 from shrm.validation import one_of, real_array, whole_number
 
 Array = npt.NDArray[np.floating]
 
 VARIANTS = ("unshadowed", "shadowed", "interreflected")
 """The names of variants: light that reaches a vertex straight, or past the rest of the object, or from it."""
-
-MOST_LIGHT = 10
-"""The largest order n of light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +64,7 @@ class RadianceTransfer:
     n : int
         Order of the light, degrees 0 to n - 1, in [1, 10].
     M : int
-        Tents along a side, see `shrm.directional_basis`.
+        Tents along a side, see `shrm.directional_basis`, in [2, 33].
     channels : int
         C: 1, the same for R, G and B, or 3.
     variants : dict of Variant
@@ -96,9 +94,10 @@ class RadianceTransfer:
     report: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.n, self.M = whole_number("n", self.n, 1, MOST_LIGHT), whole_number("M", self.M, 2, MOST_TENTS)
-        if self.channels not in (1, 3):
-            raise ValueError(f"channels must be 1 or 3, got {self.channels!r}")
+        self.n, self.M = whole_number("n", self.n, 1, MOST_ORDER), whole_number("M", self.M, 2, MOST_TENTS)
+        self.channels = whole_number("channels", self.channels, 1, 3)
+        if self.channels == 2:
+            raise ValueError("channels must be 1 or 3, got 2")
         self.vertices = _rows("vertices", self.vertices, (None, 3))
         V = len(self.vertices)
         self.faces = _indices("faces", self.faces, (None, 3), V)
@@ -107,15 +106,19 @@ class RadianceTransfer:
         if off > 1e-5 or np.linalg.det(self.frames).min() < 0:
             raise ValueError(f"frames must be rotations, orthogonal to 1e-5, got some off by {off:.2g}")
         self.uv = None if self.uv is None else _rows("uv", self.uv, (V, 2))
+        for what, kind in (("material", str), ("report", dict)):
+            if not isinstance(getattr(self, what), kind):
+                raise TypeError(f"{what} must be a {kind.__name__}, got {getattr(self, what)!r}")
         if not self.variants:
             raise ValueError("variants must hold at least one")
-        for name, variant in self.variants.items():
+        for name in self.variants:
             one_of("variants", name, VARIANTS)
-            self._require_fit(name, variant)
+        self.variants = {name: self._fitting(name, variant) for name, variant in self.variants.items()}
         self._coarser: dict[tuple[str, int], Array] = {}
         self._lit: tuple[tuple[str, int], Lighting] | None = None
 
-    def _require_fit(self, name: str, variant: Variant) -> None:
+    def _fitting(self, name: str, variant: Variant) -> Variant:
+        """The variant with clusters in int32; refused if its arrays do not fit."""
         V, shape = len(self.vertices), (self.M**2, self.channels, self.n**2)
         weights, components, matrices = variant.weights, variant.components, variant.matrices
         if (weights is None) != (components is None) or (weights is None and matrices is None):
@@ -129,10 +132,12 @@ class RadianceTransfer:
             clustered = () if variant.clusters is None else (None,)
             _floats(f"{name}: components", components, (*clustered, variant.K, *shape))
             if variant.clusters is not None:
-                _indices(f"{name}: clusters", variant.clusters, (V,), len(components))
+                clusters = _indices(f"{name}: clusters", variant.clusters, (V,), len(components))
+                variant = replace(variant, clusters=clusters)
             for what, array in (("weights", weights), ("components", components)):
                 if not np.isfinite(array).all():
                     raise ValueError(f"{name}: {what} must be finite")
+        return variant
 
     # ---- Radiance
 

@@ -16,20 +16,20 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.brdf import BRDF
-from shrm.directional_basis import MOST_TENTS
 from shrm.tangent_frames import vertex_frames
 from shrm.transfer.accuracy import Sample, chosen
-from shrm.transfer.bounces import MOST_BOUNCES, leaving
+from shrm.transfer.bounces import MOST_BOUNCES, albedos, leaving
 from shrm.transfer.clusters import clustered
 from shrm.transfer.components import PrincipalComponents
 from shrm.transfer.compression import factored, streamed
-from shrm.transfer.directions import local_directions
+from shrm.transfer.directions import FEWEST_DIRECTIONS, MOST_DIRECTIONS, local_directions
 from shrm.transfer.materials import Materials
 from shrm.transfer.matrices import Factors, Matrices
-from shrm.transfer.object import MOST_LIGHT, VARIANTS, RadianceTransfer, Variant
+from shrm.transfer.object import VARIANTS, RadianceTransfer, Variant
 from shrm.transfer.product import Path as Way
 from shrm.transfer.product import Product, product
 from shrm.transfer.rays import Occluders, mesh_faces, rows
+from shrm.transfer.surface import MOST_ORDER, MOST_TENTS
 from shrm.transfer.visibility import Visibility
 from shrm.validation import number, one_of, whole_number
 
@@ -41,6 +41,9 @@ SAMPLE = 48
 
 _FINER = 4
 """How many times as many rays they cast."""
+
+_COORDINATES = 256
+"""Components whose coordinates clusters are found among."""
 
 _FACTORED = 2048
 """Columns up to which exact components are found as fast as random ones."""
@@ -147,7 +150,7 @@ def precompute(
     """
     vertices = rows("vertices", mesh.vertices, 3)
     faces = mesh_faces(mesh.faces, len(vertices))
-    n = whole_number("n", n, 1, MOST_LIGHT)
+    n = whole_number("n", n, 1, MOST_ORDER)
     bounces = whole_number("bounces", bounces, 1, MOST_BOUNCES)
     accuracy = number("accuracy", accuracy, 0.0, 60.0)
     M = None if M is None else whole_number("M", M, 2, MOST_TENTS)
@@ -156,7 +159,9 @@ def precompute(
     wanted = _wanted(variants)
     materials = Materials.of(brdf, shares, len(vertices))
     frames = _frames(mesh, vertices, tangents)
-    rays = local_directions(directions)
+    rays = local_directions(whole_number("directions", directions, FEWEST_DIRECTIONS, MOST_DIRECTIONS))
+    if albedo is not None:
+        albedos(albedo, len(vertices))
 
     def stage(what: str) -> Callable[[int, int], None]:
         return lambda done, total: progress(what, done, total) if progress else None
@@ -246,7 +251,7 @@ def _sample(
     hidden: bool,
 ) -> Sample:
     """Some vertices of faces, seeded, and what they see."""
-    fine = local_directions(min(_FINER * 2 * len(rays), 1 << 17))
+    fine = local_directions(min(_FINER * 2 * len(rays), MOST_DIRECTIONS))
     if not hidden:
         all_see = (np.ones((1, len(d)), np.bool_) for d in (rays, fine))
         return Sample(rays, next(all_see), fine, next(all_see))
@@ -267,7 +272,7 @@ def _compressed(
     """Components of a variant, as many as the accuracy takes or as are asked for."""
     asked: dict[str, Any] = {"accuracy": accuracy} if K is None else {"K": K}
     if clusters is not None:
-        asked = {}
+        asked = {"K": min(_COORDINATES, factors.rows[0].size)}
     outer = factors.outer
     if outer is not None and outer.shape[1] * n * n <= _FACTORED:
         P = outer.reshape(factors.tents, factors.channels, -1)

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from shrm import sh
+from shrm import _core, sh
 from shrm.brdf import BRDF
 from shrm.brdf_matrix import Extension, project, project_on_tents, rows
 from shrm.directional_basis import DirectionalBasis, hemispherical_gram
@@ -41,9 +41,6 @@ BoolArray = npt.NDArray[np.bool_]
 VIEW_POINTS = 3
 """Of the quadrature over views, along a side of each triangle: 70 dB and more for lobes of .1 radians; 2 have
 40."""
-
-_VERTICES = 64
-"""Whose visible light is one matrix: some 13 MB at 2048 directions and order 5."""
 
 _PAIRS = 1 << 20
 """Directions times views that a material is evaluated at together."""
@@ -134,9 +131,9 @@ def product(
         Q = weight * _projected(brdf, basis, views, view_weights, directions)
         return Product(basis, brdf.channels, path, _float32(_corrected(Q, B, Y)), B)
     s = path.inner
-    P, B = (_outer(brdf, basis, order, path, points) for order in (s, n))
-    orders = max(s, n)
-    T = hemispherical_gram(orders)[: s * s, : n * n]  # of light that nothing hides but the surface
+    widest = _outer(brdf, basis, max(s, n), path, points)
+    P, B = widest[:, : s * s], widest[:, : n * n]
+    T = hemispherical_gram(max(s, n))[: s * s, : n * n]  # of light that nothing hides but the surface
     inner = _corrected(weight * harmonics(directions, s).T, T, Y)
     return Product(
         basis, brdf.channels, path, _float32(P @ inner), B, outer=_float32(P), inner=_float32(inner)
@@ -159,8 +156,10 @@ def harmonics(directions: FloatArray, n: int) -> FloatArray:
     return sh.evaluate(np.eye(n * n), directions)
 
 
-def accumulate(rays: Float32Array, visible: BoolArray, Y: Float32Array) -> Float32Array:
-    """Return Q (V_p o Y), (vertices, rows, n^2): the light in local coordinates.
+def accumulate(
+    rays: Float32Array, visible: BoolArray, Y: Float32Array, frames: FloatArray | None = None
+) -> Float32Array:
+    """Return Q (V_p o Y) R_p, (vertices, rows, n^2): of light in global coordinates, or local without frames.
 
     Parameters
     ----------
@@ -169,14 +168,13 @@ def accumulate(rays: Float32Array, visible: BoolArray, Y: Float32Array) -> Float
     visible : (vertices, D) bool
         V_p.
     Y : (D, n^2) float32
+    frames : (vertices, 3, 3) float64, optional
     """
-    result = np.empty((len(visible), len(rays), Y.shape[1]), np.float32)
-    for start in range(0, len(visible), _VERTICES):
-        seen = np.ascontiguousarray(visible[start : start + _VERTICES].T, np.float32)
-        light = seen[:, :, None] * Y[:, None, :]  # one product for all vertices of a block
-        block = rays @ light.reshape(len(light), -1)
-        result[start : start + _VERTICES] = block.reshape(len(rays), -1, Y.shape[1]).transpose(1, 0, 2)
-    return result
+    rotations = None
+    if frames is not None:
+        bands = band_rotations(frames, round(np.sqrt(Y.shape[1])))
+        rotations = np.concatenate([D.reshape(len(frames), -1) for D in bands], axis=1, dtype=np.float32)
+    return _core.sum_over_visible(rays=rays, harmonics=Y, visible=visible, rotations=rotations)
 
 
 def rotated(local: npt.NDArray[np.floating], frames: FloatArray) -> Float32Array:
@@ -242,7 +240,8 @@ def _sampled(brdf: BRDF, views: FloatArray, directions: FloatArray) -> FloatArra
 
 def _corrected(Q: FloatArray, wanted: FloatArray, Y: FloatArray) -> FloatArray:
     """The matrix nearest to Q that makes `wanted` of the harmonics Y (D, n^2)."""
-    return Q + (wanted - Q @ Y) @ np.linalg.pinv(Y)
+    orthonormal, R = np.linalg.qr(Y)
+    return np.asarray(Q + ((wanted - Q @ Y) @ np.linalg.pinv(R)) @ orthonormal.T)
 
 
 def _float32(array: FloatArray) -> Float32Array:

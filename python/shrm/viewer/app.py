@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
 
 import glfw
 
@@ -255,16 +254,16 @@ class Application:
             self.act(action)
 
     def _show(self, result: Prefiltered, extent: tuple[int, int]) -> None:
-        """Choose what is shown of what was drawn; of objects with transfer there is no integral."""
-        if self.state.shown == "maps" or self.state.eye is None or result.transferred is not None:
+        """Choose what is shown of what was drawn."""
+        if self.state.shown == "maps" or self.state.eye is None:
             self.screen.show_drawn()
             return
-        question = question_of(result, self.state.eye.camera, self.state.viewer, extent)
+        question = question_of(result, self.state, self.state.eye.camera, extent)
         try:
             self.comparison.show(question, self.state.shown == "difference", self.screen, self.drawing.seen)
         except Faults as fault:
             self._say_fault(one_line(fault))
-            self._set(shown="maps")
+            self.state = replace(self.state, shown="maps")
             self.screen.show_drawn()
 
     # ---- What happens in the window
@@ -354,16 +353,13 @@ class Application:
 
     # ---- Details
 
-    def _set(self, **changes: Any) -> None:
-        self.state = replace(self.state, **changes)
-
     def _choice(self) -> Choice | None:
         """What is used of the object with transfer that is drawn, if one is."""
         drawn = None if self.result is None else self.result.transferred
         return None if drawn is None else Choice.of(self.state, drawn.transfer)
 
     def _expose_always(self) -> None:
-        self._set(automatic=True)
+        self.state = replace(self.state, automatic=True)
         self._expose = True
 
     def _open(self, path: str | Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from shrm.prefiltering import Window
 from shrm.render.tangents import Tangents
 from shrm.viewer.integration import COARSENESS, ROWS
 from shrm.viewer.materials import KINDS
@@ -23,9 +24,10 @@ KEYS = (
     ("E", "find the exposure from the picture"),
     ("B", "environment behind the objects on or off"),
     ("M", "next method: SHRM, round lobes, 12 views, GPU"),
-    ("1  2  3", "show maps, integral, difference"),
+    ("1  2  3", "show maps or transfer, integral, difference"),
     ("H", "shadows on or off, of an object with transfer"),
     ("I", "light between its parts (interreflection) on or off"),
+    ("W", "its light damped against ringing, or not"),
     ("Tab", "panel on or off"),
     ("S", "screenshot: .png as shown, .exr linear"),
     ("Ctrl + S, Ctrl + O", "save the window's state, open it again"),
@@ -105,6 +107,13 @@ DISTANCES: tuple[tuple[Viewer, str, str], ...] = (
     ("near", "near", "For perspective: each vertex is seen along a direction of its own."),
 )
 """Viewers of objects with transfer."""
+RINGING = "Beside a sun, light of a low order rings: it is less than nothing there, and colours are wrong. "
+WINDOWS: tuple[tuple[Window | None, str, str], ...] = (
+    (None, "none", f"{RINGING}As sharp as its order allows."),
+    ("lanczos", "Lanczos", f"{RINGING}Damped a little for each degree, to nothing at degree n. (Key W)"),
+    ("hann", "Hann", f"{RINGING}Damped more."),
+)
+"""Windows on the degrees of their light."""
 SHOWN: tuple[tuple[Shown, str, str], ...] = (
     ("maps", "maps", "The picture from the maps. (Key 1)"),
     (
@@ -120,6 +129,23 @@ SHOWN: tuple[tuple[Shown, str, str], ...] = (
         "The absolute difference between maps and integral on the objects, "
         f"{AMPLIFIED:g} times as bright; where "
         "it is black there is none. (Key 3)",
+    ),
+)
+SHOWN_OF_TRANSFER: tuple[tuple[Shown, str, str], ...] = (
+    ("maps", "drawn", "The picture from the transfer. (Key 1)"),
+    (
+        "integration",
+        "integral",
+        "Plain shading to judge the transfer: the same material in the same light, of the same order, by "
+        f"direct integration and without shadows. In the background, in {len(COARSENESS)} passes, coarse "
+        "first; the last takes minutes. (Key 2)",
+    ),
+    (
+        "difference",
+        f"difference x{AMPLIFIED:g}",
+        "The absolute difference between transfer and integral on the object, "
+        f"{AMPLIFIED:g} times as bright: what shadows and bounces do; without them, how accurate the "
+        "transfer is. (Key 3)",
     ),
 )
 TANGENTS: tuple[tuple[Tangents, str, str], ...] = (

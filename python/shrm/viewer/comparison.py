@@ -10,16 +10,31 @@ from shrm.render.camera import Camera
 from shrm.render.picture import Picture
 from shrm.viewer.integration import COARSENESS, Integrated, Integration, Question
 from shrm.viewer.lighting import Prefiltered
-from shrm.viewer.scene import Viewer
 from shrm.viewer.screen import Screen
+from shrm.viewer.state import State
 from shrm.viewer.worker import Worker
 
 
-def question_of(result: Prefiltered, camera: Camera, viewer: Viewer, extent: tuple[int, int]) -> Question:
-    """Return the question for the picture, so many pixels wide and high, of what was prefiltered."""
-    request = result.request
+def question_of(result: Prefiltered, state: State, camera: Camera, extent: tuple[int, int]) -> Question:
+    """Return the question for the picture, so many pixels wide and high, of what is drawn.
+
+    Of an object with transfer that is its material without shadows, in the light that its transfer knows.
+    """
+    environment, shapes, request = result.environment, result.shapes, result.request
+    if result.transferred is None:
+        return Question(environment, request.light, request.materials, shapes, camera, state.viewer, *extent)
+    transfer = result.transferred.transfer
+    materials = (transfer.material,)
     return Question(
-        result.environment, request.light, request.materials, result.shapes, camera, viewer, *extent
+        environment,
+        state.light,
+        materials,
+        shapes,
+        camera,
+        state.viewer,
+        *extent,
+        transfer.n,
+        state.window,
     )
 
 
@@ -65,13 +80,15 @@ class Comparison:
     @property
     def says(self) -> str:
         """How far it is, for the panel."""
+        question = self._question
+        drawn = "the maps are" if question is None or question.n is None else "with transfer it is"
         if not self._fits or self._ready is None:
-            return "integrating ... (until then, maps)"
+            return "integrating ... (until then, as drawn)"
         done, passes = COARSENESS.index(self._ready.coarseness) + 1, len(COARSENESS)
         how_far = "integrated" if done == passes else f"pass {done} of {passes}"
         if self._measured is None or self._measured[0] is not self._ready:
             return how_far
-        return f"{how_far}: the maps are {100.0 * self._measured[2]:.2g} % off"
+        return f"{how_far}: {drawn} {100.0 * self._measured[2]:.2g} % off"
 
     @property
     def _fits(self) -> bool:

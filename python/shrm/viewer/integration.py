@@ -1,4 +1,4 @@
-"""The same picture by direct integration, coarse first: the judge of the maps.
+"""The same picture by direct integration, coarse first: the judge of maps and of transfer.
 
 References
 ----------
@@ -13,12 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from shrm import brdf
+from shrm import brdf, sh
 from shrm.environment import Environment
-from shrm.reference import AngularReflection, prefilter_angular
+from shrm.prefiltering import Window
+from shrm.reference import integrate, prefilter_angular
 from shrm.render.camera import Camera, FloatArray
-from shrm.render.picture import Object, Picture, render
+from shrm.render.picture import Object, Picture, Reflection, render
 from shrm.render.shapes import Shape
+from shrm.render.transferred import low_degrees
 from shrm.viewer.scene import Viewer
 from shrm.viewer.state import Rows
 from shrm.viewer.worker import StaleError
@@ -26,6 +28,7 @@ from shrm.viewer.worker import StaleError
 Directions = npt.NDArray[np.float32]
 
 ROWS = 128  # of the light that is integrated: every pixel visits all of its texels
+SMOOTH_ROWS = 32  # of light of a low order
 COARSENESS = (16, 8, 4, 2, 1)  # screen pixels across one that is integrated
 AT_ONCE = 256  # points between two questions whether they are still wanted
 
@@ -46,6 +49,10 @@ class Question:
     viewer : {"near", "distant"}
     width, height : int
         Extent of the window's picture in pixels.
+    n : int, optional
+        Order of the light: its degrees 0 to n - 1 alone are integrated, all of it without one.
+    window : {"hann", "lanczos"}, optional
+        On these degrees.
     """
 
     environment: Environment
@@ -56,6 +63,8 @@ class Question:
     viewer: Viewer
     width: int
     height: int
+    n: int | None = None
+    window: Window | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +89,7 @@ class Integration:
     """Answers questions in one thread, and keeps the light that was made ready."""
 
     def __init__(self) -> None:
-        self._source: Environment | None = None
-        self._light: Environment | None = None
+        self._light: tuple[tuple[Environment, int | None, Window | None], Environment] | None = None
 
     def __call__(self, question: Question, stale: Callable[[], bool]) -> Iterator[Integrated]:
         """Yield the picture, ever finer [RH02 eq. 10].
@@ -91,14 +99,13 @@ class Integration:
         StaleError
             If there is a newer question.
         """
-        if question.environment is not self._source:
-            H = question.environment.pixels.shape[0]
-            coarse = question.environment.resized(ROWS, 2 * ROWS) if H > ROWS else question.environment
-            self._source, self._light = question.environment, coarse
-        assert self._light is not None
+        key = question.environment, question.n, question.window
+        if self._light is None or self._light[0] != key:
+            self._light = key, _coarse(*key)
+        light = self._light[1]
         objects = []
         for text, shape in zip(question.materials, question.shapes, strict=True):
-            reflection = prefilter_angular(self._light, brdf.parse(text), tolerance=0.002)
+            reflection = _integral(light, brdf.parse(text))
             objects.append(Object(shape, _Turned(reflection, np.asarray(question.light, np.float64), stale)))
         for coarseness in COARSENESS:
             extent = (max(1, side // coarseness) for side in (question.width, question.height))
@@ -106,10 +113,39 @@ class Integration:
             yield Integrated(question, picture, coarseness)
 
 
+def _coarse(environment: Environment, n: int | None, window: Window | None) -> Environment:
+    """The light with as many texels as every pixel can visit."""
+    if n is not None:
+        low = low_degrees(environment.coefficients(n - 1), n, window)
+        return Environment(sh.synthesis(low, SMOOTH_ROWS, 2 * SMOOTH_ROWS).astype(np.float32))
+    H = environment.pixels.shape[0]
+    return environment.resized(ROWS, 2 * ROWS) if H > ROWS else environment
+
+
+def _integral(light: Environment, material: brdf.BRDF) -> Reflection:
+    """What integrates a material: from tables of its lobes, or plainly where one is anisotropic."""
+    if any(lobe.kind == "anisotropic" for lobe in material.lobes):
+        return _PlainSum(light, material)
+    return prefilter_angular(light, material, tolerance=0.002)
+
+
+class _PlainSum:
+    """A material whose value is found anew for every texel."""
+
+    def __init__(self, light: Environment, material: brdf.BRDF) -> None:
+        self._light, self._material = light, material
+
+    def radiance(
+        self, normals: Directions, views: Directions, tangents: Directions | None = None
+    ) -> Directions:
+        """Reflected radiance (n, 3)."""
+        return integrate(self._light, self._material, normals, views, tangents).astype(np.float32)
+
+
 class _Turned:
     """A material under a turned light: the frames are turned back instead. Stops when it is not wanted."""
 
-    def __init__(self, reflection: AngularReflection, R: FloatArray, stale: Callable[[], bool]) -> None:
+    def __init__(self, reflection: Reflection, R: FloatArray, stale: Callable[[], bool]) -> None:
         self._reflection, self._stale = reflection, stale
         self._light_from_world = R.T
 
@@ -129,6 +165,6 @@ class _Turned:
             )
         return radiance
 
-    def _back(self, directions: Directions) -> FloatArray:
+    def _back(self, directions: Directions) -> Directions:
         turned = directions.astype(np.float64) @ self._light_from_world.T
-        return np.asarray(turned / np.linalg.norm(turned, axis=1, keepdims=True))
+        return np.asarray(turned / np.linalg.norm(turned, axis=1, keepdims=True), np.float32)

@@ -27,7 +27,8 @@ from shrm.render.mesh import Mesh
 from shrm.render.row import row_camera
 from shrm.render.shapes import Shape, Sphere
 from shrm.render.tangents import Tangents
-from shrm.render.transferred import TransferredMesh, load
+from shrm.render.transferred import TransferredMesh
+from shrm.transfer.object import RadianceTransfer
 from shrm.viewer.state import UNTURNED, Method, Rows, State, Up
 from shrm.viewer.worker import StaleError
 
@@ -192,7 +193,7 @@ class Lighting:
 
     def _open_transfer(self, path: str) -> TransferredMesh:
         if self._transferred is None or self._transferred[0] != path:
-            self._transferred = path, TransferredMesh.placed(load(path))
+            self._transferred = path, TransferredMesh.placed(RadianceTransfer.load(path))
         return self._transferred[1]
 
     def _row(self, request: Request, tangents: Tangents) -> tuple[Shape, ...]:

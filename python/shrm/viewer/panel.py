@@ -99,7 +99,7 @@ class Panel:
             state = self._accuracy(state, facts)
             state = self._method(state, facts)
         else:
-            state = draw_transfer(self.widgets, state, facts.result)
+            state = draw_transfer(self.widgets, state, facts.result, facts.integrated)
         state = self._picture(state, actions)
         self._times(facts)
         imgui.separator_text("Mouse, over the picture")
@@ -118,7 +118,7 @@ class Panel:
         """Say the most important thing in a place that is always as high: nothing below it moves."""
         notes = () if facts.result is None else facts.result.notes
         top, color = imgui.get_cursor_pos_y(), GREY
-        text = "Drop a mesh (.ply, .obj, .glb, .stl), a .shrt,\nor a picture (.hdr, .exr, .png) here."
+        text = "Drop a picture (.hdr, .exr, .png) here,\na mesh (.ply, .obj, .glb, .stl) or a .shrt."
         reading = facts.result is not None and facts.result.request.environment != state.environment
         coming = f"reading {Path(state.environment).name} ..." if reading and facts.working else ""
         said = ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault), (GREY, coming))
@@ -259,22 +259,10 @@ class Panel:
         explain(f"How the reflected light is approximated. {labels[current]}: {meanings[current]}")
         if changed:
             state = replace(state, method=names[chosen])
-        imgui.align_text_to_frame_padding()
-        imgui.text("viewer")
-        for viewer, label, meaning in VIEWERS:
-            imgui.same_line()
-            if self.widgets.radio(label, state.viewer == viewer):
-                state = replace(state, viewer=viewer)
-            explain(meaning)
-        imgui.align_text_to_frame_padding()
-        imgui.text("shown ")
-        for shown, label, meaning in SHOWN:
-            imgui.same_line()
-            if self.widgets.radio(label, state.shown == shown):
-                state = replace(state, shown=shown)
-            explain(meaning)
+        viewer = self.widgets.choice("viewer", VIEWERS, state.viewer)
+        shown = self.widgets.choice("shown ", SHOWN, state.shown)
         imgui.text_colored(GREY, facts.integrated or " ")
-        return state
+        return replace(state, viewer=viewer, shown=shown)
 
     def _picture(self, state: State, actions: list[Action]) -> State:
         imgui.separator_text("Picture")

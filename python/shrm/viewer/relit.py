@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, get_args
-
-import numpy as np
+from typing import get_args
 
 from shrm.environment import Environment
 from shrm.render.camera import Camera
 from shrm.render.transferred import TransferredMesh
 from shrm.render.vertex_radiance import VertexRadiance
-from shrm.transfer.lighting import Compressed
+from shrm.transfer.lighting import Compressed, Lighting
+from shrm.transfer.object import RadianceTransfer
 from shrm.viewer.state import State, Variant
-
-if TYPE_CHECKING:
-    from shrm.transfer.lighting import Lighting
-    from shrm.transfer.object import RadianceTransfer
 
 VARIANTS: tuple[Variant, ...] = get_args(Variant)
 """From the simplest to the most complete."""
@@ -106,12 +101,12 @@ class RelitObject:
             If the object cannot be lit so.
         """
         choice = Choice.of(state, thing.transfer)
-        decides = thing, environment, choice, state.light, state.viewer, camera
+        decides = thing, environment, choice, state.light, state.window, state.viewer, camera
         if self._lit is None or self._lit[0] != decides:
             coefficients = environment.coefficients(thing.transfer.n - 1)  # kept with the environment
             lighting = self._chosen(thing.transfer, choice)
             start = time.perf_counter()
-            light = thing.light(coefficients, np.asarray(state.light, np.float64))
+            light = thing.light(coefficients, state.R, state.window)
             lit = thing.lit(lighting, light, camera, state.viewer)
             self.seconds = time.perf_counter() - start
             self._lit = decides, lit

@@ -51,6 +51,8 @@ def keyed(state: State, key: int, choice: Choice | None) -> State:
         return replace(state, variant=choice.other_shadows or state.variant)
     if key == glfw.KEY_I and choice is not None:
         return replace(state, variant=choice.other_bounces or state.variant)
+    if key == glfw.KEY_W and choice is not None:
+        return replace(state, window=None if state.window else "lanczos")
     if key in SHOWN:
         return replace(state, shown=SHOWN[key])
     return state

@@ -10,6 +10,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from shrm.orders import require_orders, require_tolerance
+from shrm.prefiltering import Window
 from shrm.render.camera import FloatArray
 from shrm.render.tangents import Tangents
 from shrm.validation import one_of, rotation, whole_number
@@ -25,8 +26,7 @@ Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float
 UNTURNED: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 GOLD = "ggx(alpha=0.3,f0=1/0.71/0.29)"
 FORMAT = "shrm view 1"
-LEAST_TENTS = 3
-"""To a side: two would leave no tent that is zero on the horizon."""
+LEAST_TENTS = 2
 
 
 @dataclass(frozen=True)
@@ -82,6 +82,8 @@ class State:
         How many of its components are used, K; all without one or where it has fewer.
     tents : int, optional
         How many tents there are to a side, M; as it has them without one or where it has fewer.
+    window : {"hann", "lanczos"}, optional
+        What damps the higher degrees of its light, so that it does not ring.
     turning : bool
         Whether the light turns about the vertical by itself.
 
@@ -113,6 +115,7 @@ class State:
     variant: Variant | None = None
     components: int | None = None
     tents: int | None = None
+    window: Window | None = None
     turning: bool = False
 
     def __post_init__(self) -> None:
@@ -146,6 +149,8 @@ class State:
             raise ValueError(f"selected must be from 0 to {len(self.materials) - 1}, got {self.selected!r}")
         if self.variant is not None:
             one_of("variant", self.variant, get_args(Variant))
+        if self.window is not None:
+            one_of("window", self.window, get_args(Window))
         for name, least in (("components", 1), ("tents", LEAST_TENTS)):
             if getattr(self, name) is not None:
                 whole_number(name, getattr(self, name), least)

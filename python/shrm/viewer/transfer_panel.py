@@ -10,23 +10,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from slimgui import imgui
 
-from shrm.viewer.choices import BY_PATH, DISTANCES
+from shrm.transfer.object import RadianceTransfer
+from shrm.viewer.choices import BY_PATH, DISTANCES, SHOWN_OF_TRANSFER, WINDOWS
 from shrm.viewer.lighting import Prefiltered
 from shrm.viewer.opening import absolute, with_file
 from shrm.viewer.relit import Choice
 from shrm.viewer.state import LEAST_TENTS, State
 from shrm.viewer.widgets import GREY, Widgets, disabled, explain
 
-if TYPE_CHECKING:
-    from shrm.transfer.object import RadianceTransfer
 
+def draw_transfer(widgets: Widgets, state: State, result: Prefiltered | None, integrated: str) -> State:
+    """Draw the section of an object with transfer; return the state as changed.
 
-def draw_transfer(widgets: Widgets, state: State, result: Prefiltered | None) -> State:
-    """Draw the section of an object with transfer; return the state as changed."""
+    `integrated` says how far the integration is; empty if none is asked for.
+    """
     assert state.transfer is not None
     imgui.separator_text("Object with transfer")
     meaning = f"{state.transfer}\nAn object whose transfer was precomputed (shrm transfer): {BY_PATH}"
@@ -42,9 +42,13 @@ def draw_transfer(widgets: Widgets, state: State, result: Prefiltered | None) ->
     choice = Choice.of(state, transfer)
     state = _variant(widgets, state, choice)
     state = _sizes(widgets, state, choice)
-    state = _viewer(widgets, state)
+    viewer = widgets.choice("viewer", DISTANCES, state.viewer)
+    window = widgets.choice("window", WINDOWS, state.window)
+    shown = widgets.choice("shown ", SHOWN_OF_TRANSFER, state.shown)
+    imgui.text_colored(GREY, integrated or " ")
+    state = replace(state, viewer=viewer, window=window, shown=shown)
     for line, meaning in lines(transfer, choice):
-        imgui.text(line)
+        imgui.text_wrapped(line)
         explain(meaning)
     return state
 
@@ -84,20 +88,9 @@ def _sizes(widgets: Widgets, state: State, choice: Choice) -> State:
     return replace(state, tents=M) if changed else state
 
 
-def _viewer(widgets: Widgets, state: State) -> State:
-    imgui.align_text_to_frame_padding()
-    imgui.text("viewer")
-    for viewer, label, meaning in DISTANCES:
-        imgui.same_line()
-        if widgets.radio(label, state.viewer == viewer):
-            state = replace(state, viewer=viewer)
-        explain(meaning)
-    return state
-
-
 def lines(transfer: RadianceTransfer, choice: Choice) -> Iterator[tuple[str, str]]:
     """What is to be known of an object: lines, and what they mean."""
-    yield transfer.material, "The object's material, which is in its transfer."
+    yield transfer.material.replace(",", ", "), "The object's material, which is in its transfer."
     channels = "colours" if transfer.channels == 3 else "grey"
     yield (
         f"{len(transfer.vertices)} vertices, {len(transfer.faces)} faces",

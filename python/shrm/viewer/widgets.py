@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import TypeVar
 
 from slimgui import imgui
 
 WIDTH = 380  # of the panel
+
+T = TypeVar("T")
 
 RED, YELLOW, GREY = (1.0, 0.35, 0.3, 1.0), (1.0, 0.8, 0.3, 1.0), (0.62, 0.64, 0.68, 1.0)
 
@@ -78,6 +81,17 @@ class Widgets:
         pressed = imgui.radio_button(label, active)
         self.place(label)
         return pressed
+
+    def choice(self, title: str, options: Sequence[tuple[T, str, str]], chosen: T) -> T:
+        """A line of choices: what each stands for, its label and meaning; return the one chosen."""
+        imgui.align_text_to_frame_padding()
+        imgui.text(title)
+        for option, label, meaning in options:
+            imgui.same_line()
+            if self.radio(label, chosen == option):
+                chosen = option
+            explain(meaning)
+        return chosen
 
     def check(self, name: str, label: str, checked: bool, meaning: str) -> bool:
         """A box to be checked, whose place has a name; whether it was clicked."""

@@ -1,0 +1,88 @@
+"""What `shrm render` draws on: the light, the camera, and how a turntable turns them."""
+
+from __future__ import annotations
+
+import argparse
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from shrm.cli.options import read_environment
+
+if TYPE_CHECKING:
+    from shrm.render import Camera, Object, Picture
+    from shrm.render.camera import FloatArray
+    from shrm.viewer import Renderer
+
+GPU_MAP_SIZE = 128
+"""Edge of a face: look-ups on the GPU are bilinear, and want finer maps than cubic ones."""
+
+
+class Stage(ABC):
+    """Light and camera for a row of objects, as the options have them.
+
+    Attributes
+    ----------
+    env : Environment
+        Not turned.
+    texture : (H, W, 3) float32 or None
+    width, height : int
+        Of the pictures.
+    camera : Camera
+        Not turned.
+    centers : list of points
+        Where the objects stand.
+    """
+
+    def __init__(self, options: argparse.Namespace, count: int) -> None:
+        from shrm import image_io
+        from shrm.render import row_camera, row_picture
+
+        self.options = options
+        self.env = read_environment(options)
+        self.texture = None if options.texture is None else image_io.read_image(options.texture).pixels
+        extent: tuple[int, int] = options.size or row_picture(count, diameter=320)
+        self.width, self.height = extent
+        azimuth, elevation = options.view
+        camera, self.centers = row_camera(count, self.width / self.height, azimuth, elevation, options.fov)
+        self.camera = camera.zoomed(options.zoom)
+
+    @abstractmethod
+    def objects(self, rotation: FloatArray, camera: Camera) -> list[Object]:
+        """Return the objects under light that is turned by a rotation (3, 3)."""
+
+    def draw(self, degrees: float, report: Callable[[float], None] | None) -> Picture:
+        """Draw with the light or the camera turned, as the turntable has it."""
+        from shrm.render import about_vertical, render, turned_camera
+
+        options, camera, turn = self.options, self.camera, self.options.light_turn or 0.0
+        if options.turntable == "light":
+            turn += degrees
+        elif options.turntable == "camera":
+            camera = turned_camera(camera, degrees)
+        rotation = about_vertical(turn)
+        objects = self.objects(rotation, camera)
+        background = self.env if options.background else None
+        if options.gpu:
+            from shrm.viewer import Scene
+
+            return self._renderer.render(Scene(objects, camera, background, options.viewer, rotation))
+        if background is not None and turn % 360.0 != 0.0:
+            background = background.rotated(rotation)
+        return render(
+            objects,
+            camera,
+            self.width,
+            self.height,
+            background=background,
+            viewer=options.viewer,
+            samples=options.samples,
+            progress=report,
+        )
+
+    @cached_property
+    def _renderer(self) -> Renderer:
+        from shrm.viewer import Renderer
+
+        return Renderer((self.width, self.height), samples=self.options.samples, map_size=GPU_MAP_SIZE)

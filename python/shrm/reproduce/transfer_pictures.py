@@ -1,0 +1,93 @@
+"""Pictures of an object that is lit at its vertices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.render import Camera, Mesh, Object, Picture, VertexRadiance, render
+from shrm.reproduce.result import Settings
+from shrm.reproduce.spheres import relative_rms
+from shrm.reproduce.transfer_subject import Subject, n
+from shrm.transfer.lighting import Lighting
+
+Float32Array = npt.NDArray[np.float32]
+
+AZIMUTH, ELEVATION, DISTANCE = 25.0, 20.0, 6.0  # where the camera looks, as in `shrm.render.row_camera`
+PICTURE, SAMPLES = 360, 2
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A picture, and how far it is off another: relative RMS, colours pooled; 0 for the correct one."""
+
+    picture: Picture
+    error: float = 0.0
+
+
+class Stage:
+    """An object, the light around it, and a camera.
+
+    Parameters
+    ----------
+    subject : Subject
+    settings : Settings
+
+    Attributes
+    ----------
+    light : (n^2, 3) float64
+    eye : (3,) float64
+    """
+
+    def __init__(self, subject: Subject, settings: Settings) -> None:
+        self._mesh = subject.mesh
+        self._camera = framed(self._mesh)
+        self._pixels = 60 if settings.quick else PICTURE
+        self.light = np.asarray(settings.env.coefficients(n - 1), np.float64)
+        self.eye = np.asarray(self._camera.position)
+
+    @cached_property
+    def seen(self) -> npt.NDArray[np.int64]:
+        """The vertices of the faces that the camera's rays meet."""
+        along = (np.arange(self._pixels * SAMPLES) + 0.5) / SAMPLES
+        columns, rows = np.meshgrid(along, along)
+        rays = self._camera.rays(columns.ravel(), rows.ravel(), self._pixels, self._pixels)
+        hits = self._mesh.intersect(*rays)
+        assert hits.corners is not None
+        return np.unique(hits.corners[np.isfinite(hits.distances)])
+
+    def shot(self, radiance: Float32Array, truth: Shot | None = None) -> Shot:
+        """Take a picture of the object with this radiance (V, 3) of its vertices; judge it by another."""
+        thing = Object(self._mesh, VertexRadiance(radiance))
+        picture = render([thing], self._camera, self._pixels, self._pixels, samples=SAMPLES)
+        return Shot(picture, 0.0 if truth is None else relative_rms(picture, truth.picture))
+
+    def lit(self, lighting: Lighting, truth: Shot | None = None) -> Shot:
+        """Light the object and take a picture."""
+        return self.shot(lighting.radiance(self.light, eye=self.eye), truth)
+
+
+def framed(mesh: Mesh) -> Camera:
+    """Return a camera whose square picture a mesh near the origin fills."""
+    across, down = np.radians(AZIMUTH), np.radians(ELEVATION)
+    forward = np.array([np.cos(across) * np.cos(down), np.sin(across) * np.cos(down), -np.sin(down)])
+    position = -DISTANCE * forward
+    camera = Camera(_vector(position))
+    slopes = _slopes(camera, mesh)
+    middle = np.append((slopes.min(axis=0) + slopes.max(axis=0)) / 2, 1.0)
+    camera = Camera(_vector(position), _vector(position + middle @ camera.axes))
+    reach = 1.03 * np.abs(_slopes(camera, mesh)).max()
+    return Camera(camera.position, camera.target, fov=2 * float(np.degrees(np.arctan(reach))))
+
+
+def _slopes(camera: Camera, mesh: Mesh) -> npt.NDArray[np.float64]:
+    """Where vertices appear, (V, 2): to the right and upwards, over their depth."""
+    place = (mesh.vertices - np.asarray(camera.position)) @ camera.axes.T
+    return np.asarray(place[:, :2] / place[:, 2:])
+
+
+def _vector(v: npt.NDArray[np.float64]) -> tuple[float, float, float]:
+    return float(v[0]), float(v[1]), float(v[2])

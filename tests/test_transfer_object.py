@@ -1,0 +1,208 @@
+"""Objects with transfer: what does not fit is refused by name, and saving loses nothing."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from shrm.transfer.file import TransferFileError, load
+from shrm.transfer.object import RadianceTransfer, Variant
+from test_transfer_file import SHAPE, K, M, N, Q, V, random, transfer
+
+
+def varied(**change: Any) -> Callable[[], RadianceTransfer]:
+    """An object whose only variant is of components, one of its arrays changed."""
+    arrays: dict[str, Any] = {
+        "weights": random(6, V, K),
+        "components": random(7, Q, K, *SHAPE),
+        "clusters": np.array([0, 1, 1, 0, 1, 0, 0], np.int32),
+    }
+    return lambda: transfer(variants={"shadowed": Variant(**{**arrays, **change})})
+
+
+def changed(**change: Any) -> Callable[[], RadianceTransfer]:
+    return lambda: transfer(**change)
+
+
+def with_nan(array: np.ndarray) -> np.ndarray:
+    array = array.copy()
+    array.flat[-1] = np.nan
+    return array
+
+
+FRAMES = np.tile(np.eye(3, dtype=np.float32), (V, 1, 1))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (changed(n=0), r"n must be in \[1, 10\], got 0"),
+        (changed(n=2.0), "n must be a whole number"),
+        (changed(n=3), "unshadowed: matrices must have the shape"),
+        (changed(M=34), r"M must be in \[2, 33\], got 34"),
+        (changed(M=3), "unshadowed: matrices must have the shape"),
+        (changed(channels=2), "channels must be 1 or 3, got 2"),
+        (changed(channels=3.0), "channels must be a whole number"),
+        (changed(channels=True), "channels must be a whole number"),
+        (changed(vertices=np.zeros((V, 2))), r"vertices must have the shape \(any, 3\)"),
+        (changed(vertices=with_nan(random(0, V, 3))), "vertices must be finite"),
+        (changed(vertices=np.zeros((0, 3))), "vertices must have the shape"),
+        (changed(vertices=np.zeros((V, 3), complex)), "vertices must be an array of real numbers"),
+        (changed(faces=np.zeros((0, 3), int)), "faces must have the shape"),
+        (changed(faces=np.zeros((5, 3))), "faces must be an array of whole numbers"),
+        (changed(faces=np.full((5, 3), V)), r"faces must be in \[0, 7\), got 7 to 7"),
+        (changed(faces=np.full((5, 3), -1)), r"faces must be in \[0, 7\), got -1 to -1"),
+        (changed(frames=FRAMES[:-1]), "frames must have the shape"),
+        (changed(frames=1.01 * FRAMES), "frames must be rotations"),
+        (changed(frames=FRAMES * np.array([1, 1, -1])), "frames must be rotations"),
+        (changed(frames=with_nan(FRAMES)), "frames must be finite"),
+        (changed(uv=np.zeros((V, 3))), "uv must have the shape"),
+        (changed(uv=with_nan(np.zeros((V, 2)))), "uv must be finite"),
+        (changed(material=None), "material must be a str, got None"),
+        (changed(report=[]), r"report must be a dict, got \[\]"),
+        (changed(variants={}), "variants must hold at least one"),
+        (
+            changed(variants={"lit": Variant()}),
+            "variants must be one of unshadowed, shadowed, interreflected",
+        ),
+        (changed(variants={"shadowed": Variant()}), "shadowed must have weights and components, or matrices"),
+        (varied(components=None), "shadowed must have weights and components"),
+        (varied(weights=None), "shadowed must have weights and components"),
+        (varied(weights=random(6, V - 1, K)), r"shadowed: weights must have the shape \(7, any\)"),
+        (varied(weights=random(6, V, K, dtype=np.float64)), "shadowed: weights must be an array of float32"),
+        (varied(weights=with_nan(random(6, V, K))), "shadowed: weights must be finite"),
+        (varied(weights=[[1.0] * K] * V), "shadowed: weights must be an array of float32"),
+        (varied(components=random(7, K, *SHAPE)), "shadowed: components must have the shape"),
+        (varied(components=random(7, Q, K + 1, *SHAPE)), "shadowed: components must have the shape"),
+        (varied(components=with_nan(random(7, Q, K, *SHAPE))), "shadowed: components must be finite"),
+        (varied(clusters=None), "shadowed: components must have the shape"),
+        (varied(clusters=np.zeros(V)), "shadowed: clusters must be an array of whole numbers"),
+        (varied(clusters=np.full(V, Q)), r"shadowed: clusters must be in \[0, 2\), got 2 to 2"),
+        (varied(clusters=np.full(V, -1)), r"shadowed: clusters must be in \[0, 2\)"),
+        (varied(clusters=np.zeros(V + 1, int)), "shadowed: clusters must have the shape"),
+    ],
+)
+def test_what_does_not_fit_is_refused(make, message):
+    with pytest.raises((TypeError, ValueError), match=f"^{message}[^\n]*$"):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"K": 0}, r"K must be in \[1, 3\], got 0"),
+        ({"K": K + 1}, r"K must be in \[1, 3\], got 4"),
+        ({"K": 2.0}, "K must be a whole number"),
+        ({"M": 1}, r"M must be in \[2, 2\], got 1"),
+        ({"M": M + 1}, r"M must be in \[2, 2\], got 3"),
+        ({"variant": "lit"}, "variant must be one of unshadowed, shadowed, interreflected, got 'lit'"),
+        ({"variant": "unshadowed", "K": 1}, "unshadowed is not compressed"),
+        ({"light": np.zeros((N * N + 1, 3))}, r"light must have the shape \(4, 3\)"),
+        ({"light": np.zeros((N * N, 1))}, r"light must have the shape \(4, 3\)"),
+        ({"light": np.full((N * N, 3), np.nan)}, "light must be finite"),
+        ({"eye": [0, 0]}, r"eye must have the shape \(3,\)"),
+        ({"view": [0, 0, 1]}, "eye or view must be given, got both"),
+        ({"eye": None}, "eye or view must be given, got neither"),
+        ({"eye": None, "view": [0, 0, 2]}, "view must be unit vectors"),
+    ],
+)
+def test_radiance_of_what_is_not_there_is_refused(options, message):
+    given = {"light": np.zeros((N * N, 3)), "eye": [3, 4, 5], **options}
+    with pytest.raises((TypeError, ValueError), match=f"^{message}[^\n]*$"):
+        transfer().radiance(**given)
+
+
+def test_fewer_components_are_the_first_and_change_back():
+    held, light = varied()(), random(13, N * N, 3)
+    whole = held.variants["shadowed"]
+    for k in (1, K, 2):
+        first = Variant(whole.weights[:, :k].copy(), whole.components[:, :k].copy(), whole.clusters)
+        expected = transfer(variants={"shadowed": first}).radiance(light, eye=[3, 4, 5])
+        actual = held.radiance(light, eye=[3, 4, 5], K=k)
+        np.testing.assert_allclose(actual, expected, atol=1e-6 * np.abs(expected).max())
+
+
+# ---- Its mesh
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "message"),
+    [
+        (lambda v: v[:-1], lambda f: f, r"it has vertices of shape \(6, 3\), the transfer \(7, 3\)"),
+        (lambda v: v, lambda f: f[:-1], r"it has faces of shape \(4, 3\), the transfer \(5, 3\)"),
+        (lambda v: v * 1.001, lambda f: f, "7 vertices and 0 faces are others"),
+        (lambda v: v, lambda f: f[::-1], "0 vertices and [1-5] faces are others"),
+        (lambda v: v[::-1], lambda f: f, "[1-7] vertices and 0 faces are others"),
+    ],
+)
+def test_another_mesh_is_refused(vertices, faces, message):
+    held = transfer()
+    held.require_mesh(held.vertices.astype(np.float64) * (1 + 1e-6), held.faces.astype(np.int64))
+    with pytest.raises(ValueError, match=f"^the mesh does not match its transfer: {message}$"):
+        held.require_mesh(vertices(held.vertices), faces(held.faces))
+
+
+# ---- Saving
+
+
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def breaks() -> Iterator[np.ndarray]:
+    yield random(14, 3, *SHAPE)
+    raise KeyboardInterrupt("stopped")
+
+
+@pytest.mark.parametrize(
+    ("blocks", "error", "text"),
+    [
+        (breaks, KeyboardInterrupt, "stopped"),
+        (lambda: iter([]), ValueError, "blocks of shadowed must be float32 or float16"),
+        (lambda: iter([random(14, 6, *SHAPE)]), ValueError, "must have 7 rows in all, got 6"),
+        (lambda: iter(2 * [random(14, 4, *SHAPE)]), ValueError, "must have 7 rows in all, got 8"),
+        (lambda: iter([random(14, 7, 9, 3, 4)]), ValueError, "must be float32 or float16 of the shape"),
+        (
+            lambda: iter([random(14, 3, *SHAPE), random(14, 4, *SHAPE, dtype=np.float16)]),
+            ValueError,
+            "blocks of shadowed/matrices must be alike",
+        ),
+    ],
+)
+def test_a_save_that_fails_leaves_what_was_there(tmp_path, blocks, error, text):
+    path = tmp_path / "a.shrt"
+    transfer().save(path)
+    before = path.read_bytes()
+    with pytest.raises(error, match=text):
+        transfer().save(path, blocks={"shadowed": blocks})
+    assert path.read_bytes() == before
+    assert names(tmp_path) == {"a.shrt"}
+
+
+@pytest.mark.parametrize("value", [np.nan, {1, 2}, b"text", np.float32(1)])
+def test_a_report_that_json_does_not_know_is_refused(tmp_path, value):
+    with pytest.raises(ValueError, match=r"^report must hold text, finite numbers, lists and dicts [^\n]*$"):
+        transfer(report={"value": value}).save(tmp_path / "a.shrt")
+    assert not names(tmp_path)
+
+
+def test_places_that_cannot_be_written_are_told(tmp_path):
+    (tmp_path / "folder").mkdir()
+    for place in ("folder", "none/a.shrt"):
+        with pytest.raises(TransferFileError, match=r"^[^\n]*: cannot be written \([^\n]*\)$"):
+            transfer().save(tmp_path / place)
+    assert names(tmp_path) == {"folder"}
+    assert not names(tmp_path / "folder")
+
+
+def test_a_file_can_be_written_over_while_it_is_mapped(tmp_path):
+    path = tmp_path / "a.shrt"
+    transfer().save(path)
+    found = load(path)
+    before = found.variants["interreflected"].matrices.copy()
+    transfer(variants={"shadowed": Variant(random(4, V, K), random(5, K, *SHAPE))}).save(path)
+    np.testing.assert_array_equal(found.variants["interreflected"].matrices, before)
+    assert list(load(path).variants) == ["shadowed"]
+    found.save(path)
+    np.testing.assert_array_equal(load(path).variants["interreflected"].matrices, before)
