@@ -206,3 +206,36 @@ def test_a_file_can_be_written_over_while_it_is_mapped(tmp_path):
     assert list(load(path).variants) == ["shadowed"]
     found.save(path)
     np.testing.assert_array_equal(load(path).variants["interreflected"].matrices, before)
+
+
+# ---- Fewer tents
+
+
+def hats(M: int, x: np.ndarray) -> np.ndarray:
+    """The tents of one dimension at places x in [0, 1], (M, x)."""
+    return np.maximum(0, 1 - np.abs(x * (M - 1) - np.arange(M)[:, None]))
+
+
+def projection(fine: int, coarse: int) -> np.ndarray:
+    """Of expansions in fine^2 tents on coarse^2, orthogonally: by Gauss in the pieces of both."""
+    ends = np.unique(np.r_[np.linspace(0, 1, fine), np.linspace(0, 1, coarse)])
+    x = (ends[:-1, None] + np.diff(ends)[:, None] * [0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)]).ravel()
+    weights = np.repeat(np.diff(ends) / 2, 2)
+    few, many = hats(coarse, x), hats(fine, x)
+    one = np.linalg.solve((few * weights) @ few.T, (few * weights) @ many.T)
+    return np.kron(one, one)
+
+
+@pytest.mark.parametrize("clustered", [False, True])
+def test_fewer_tents_are_a_projection(clustered):
+    shape, fine, light = (25, 3, N * N), 5, random(16, N * N, 3)
+    components = random(15, Q, K, *shape) if clustered else random(15, K, *shape)
+    clusters = np.array([0, 1, 1, 0, 1, 0, 0]) if clustered else None
+    weights = random(6, V, K)
+    held = transfer(M=fine, variants={"shadowed": Variant(weights, components, clusters)})
+    for coarse in (2, 3, 4, 5):
+        few = np.einsum("st,...tcj->...scj", projection(fine, coarse), components).astype(np.float32)
+        small = transfer(M=coarse, variants={"shadowed": Variant(weights, few, clusters)})
+        expected = small.radiance(light, eye=[3, 4, 5])
+        actual = held.radiance(light, eye=[3, 4, 5], M=coarse)
+        np.testing.assert_allclose(actual, expected, atol=2e-6 * np.abs(expected).max())

@@ -13,8 +13,8 @@ materials with shadows; a higher inner order costs nothing at run time, and the 
 accurate still. The price is compression: PCA of products with a small P is exact and small.
 
 Without shadows A_p is B R_p with B exact, [LK03]'s T of the identity. Every Q is corrected, by the least
-change, so that it makes the same of light that nothing hides: Q Y = B. Errors of the quadrature over d_k are
-then those of shadows alone.
+change, so that it makes the same of light that nothing hides: Q Y = B; by way of harmonics P T, with T that
+of the whole hemisphere. Errors of the quadrature over d_k are then those of shadows alone.
 
 References
 ----------
@@ -24,6 +24,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -31,8 +32,9 @@ import numpy.typing as npt
 from shrm import _core, sh
 from shrm.brdf import BRDF
 from shrm.brdf_matrix import Extension, project, project_on_tents, rows
-from shrm.directional_basis import DirectionalBasis, hemispherical_gram
+from shrm.directional_basis import MOST_ORDER, DirectionalBasis, hemispherical_gram
 from shrm.tangent_frames import band_rotations
+from shrm.validation import one_of, whole_number
 
 FloatArray = npt.NDArray[np.float64]
 Float32Array = npt.NDArray[np.float32]
@@ -53,17 +55,37 @@ class Path:
     Attributes
     ----------
     inner : int or None
-        Order s of transferred radiance; None: none, directions go straight into the tents.
+        Order s of transferred radiance, 1 to 32; None: none, directions go straight into the tents.
     m : int or None
-        Order of outgoing radiance between the material and the tents; None: none.
+        Order of outgoing radiance between the material and the tents, 1 to 32; None: none, as there is
+        without an inner order.
     extension, window_above
         Of outgoing radiance of order m, see `shrm.brdf_matrix.project`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If one is not as described.
     """
 
     inner: int | None = None
     m: int | None = None
     extension: Extension = "least-squares"
     window_above: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.inner is not None:
+            whole_number("inner", self.inner, 1, MOST_ORDER)
+        one_of("extension", self.extension, get_args(Extension))
+        for name, without in (("m", self.inner), ("window_above", self.m)):
+            if getattr(self, name) is not None and without is None:
+                raise ValueError(
+                    f"{name} must be None here, got {getattr(self, name)!r}: nothing to apply it to"
+                )
+        if self.m is not None:
+            m = whole_number("m", self.m, 1, MOST_ORDER)
+            if self.window_above is not None:
+                whole_number("window_above", self.window_above, 0, m - 1)
 
     def __str__(self) -> str:
         if self.inner is None:

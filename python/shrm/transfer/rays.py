@@ -179,6 +179,8 @@ def mesh_faces(faces: npt.ArrayLike, count: int) -> Int32Array:
         raise ValueError("faces must have at least one, got none")
     if array.dtype.kind not in "iu":
         raise TypeError(f"faces must be whole numbers, got dtype {array.dtype}")
+    if count == 0:
+        raise ValueError("vertices must have at least one, got none")
     bad = np.flatnonzero((array < 0).any(axis=1) | (array >= count).any(axis=1))
     if len(bad):
         raise ValueError(
