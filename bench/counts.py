@@ -84,3 +84,50 @@ def radiance(points: int, maps: int, taps: int, texels: int) -> Work:
         points * 4.0 * maps * 3 * taps + queries,
         held=4.0 * maps * 3 * texels + queries,
     )
+
+
+# ---- Lighting an object: n^2 terms, one channel of the material for three of light
+
+SURFACE = 4 * (3 + 9 + 3)
+"""Bytes of a vertex's position, frame and radiance."""
+
+
+def _scattered(run: int) -> float:
+    """Bytes that memory gives, in whole lines of 64, for a run of so many that begins at any float."""
+    return 64 * (1 + (run - 4) / 64)
+
+
+def lit_by_tents(V: int, M: int, terms: int, size: int) -> Work:
+    """Four rows of each vertex's matrix, in two runs, and their sum times light."""
+    return Work(
+        2.0 * V * (4 + 3) * terms,
+        V * (SURFACE + 2 * _scattered(2 * terms * size)),
+        held=1.0 * V * M * M * terms * size,
+    )
+
+
+def lit_by_components(V: int, K: int, M: int, terms: int, size: int) -> Work:
+    """Components times light; then four tents' rows of K for each vertex and channel, and their sum."""
+    return Work(2.0 * 3 * K * (M * M * terms + V * (4 + 1)), V * (SURFACE + K * size))
+
+
+def lit_by_transfer(V: int, terms: int, size: int, bands: int) -> Work:
+    """A row times a rotation, if there is one, times a matrix, times light."""
+    return Work(
+        2.0 * V * (4 * terms + bands + terms**2 + 3 * terms), V * (SURFACE + 4 * bands + size * terms**2)
+    )
+
+
+def lit_without_shadows(V: int, terms: int, bands: int) -> Work:
+    """A row times a rotation, if there is one, times light."""
+    return Work(2.0 * V * (bands + 4 * terms), V * (SURFACE + 4.0 * bands))
+
+
+def lit_by_fixed_tents(V: int) -> Work:
+    """Four tents' radiance, in two runs."""
+    return Work(2.0 * V * 4 * 3, V * (SURFACE + 2 * _scattered(24)), held=V * 121 * 12)
+
+
+def lit_by_rows(V: int, terms: int) -> Work:
+    """A row times light."""
+    return Work(2.0 * V * 3 * terms, 4.0 * V * (terms + 3))

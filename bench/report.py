@@ -7,8 +7,8 @@ A table stands between two markers, and the first says which it is:
     <!-- bench: analysis, synthesis -->  ...  <!-- /bench -->
 
 Names are groups of the benchmarks, whose rows say time, error and share of the machine's limit, or one of
-`machine` (its limits), `kernels`, `beside the prototype`, `Fourier`, `methods`, `crossover` and
-`transfer methods`.
+`machine` (its limits), `kernels`, `beside the prototype`, `Fourier`, `methods`, `crossover`,
+`transfer methods` and `lighting`.
 """
 
 import json
@@ -204,7 +204,24 @@ def _megabytes(count: int) -> str:
     return f"{count / 1e6:.0f}" if count >= 1e7 else f"{count / 1e6:.2g}"
 
 
+def lighting(results: Results) -> list[str]:
+    """Return frames per second of each way to light an object; ratios are times ours by the study's."""
+    heads = ["way", "error"]
+    for said in ("1 thread", "2 threads"):
+        heads += [f"frames/s, {said}", "of the limit", "by the study"]
+    rows = []
+    for row in of_group(results, "lighting")[0]["extra_info"]["rows"]:
+        line = [row["work"], f"{row['error']:.1e}"]
+        for threads in (1, 2):
+            line.append(f"{1e3 / row[f'ours {threads}']:.0f}")
+            line.append(f"{100 * row[f'share {threads}']:.0f}% of {row[f'bound {threads}']}")
+            line.append(f"{row[f'ratio {threads}']:.2f}" if f"ratio {threads}" in row else "")
+        rows.append(line)
+    return markdown(heads, rows)
+
+
 TABLES = {
+    "lighting": lighting,
     "methods": methods,
     "crossover": crossover,
     "transfer methods": transfer_methods,

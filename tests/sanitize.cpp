@@ -24,6 +24,7 @@
 #include "shrm/reflection_map.hpp"
 #include "shrm/rotation.hpp"
 #include "shrm/synthesis.hpp"
+#include "shrm/transfer_lighting.hpp"
 #include "shrm/view_map.hpp"
 #include "shrm/wigner.hpp"
 
@@ -274,6 +275,78 @@ void directional_basis() {
         }
 }
 
+// Turns by quarters, and one about no axis.
+std::vector<float> frames(int vertices) {
+    const float turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                              {0, 0, 1, 1, 0, 0, 0, 1, 0},
+                              {0.36f, 0.48f, -0.8f, -0.8f, 0.6f, 0, 0.48f, 0.64f, 0.6f}};
+    std::vector<float> values;
+    for (int p = 0; p < vertices; ++p) values.insert(values.end(), turns[p % 3], turns[p % 3] + 9);
+    return values;
+}
+
+// Values once as floats, once as halves from 0 to 1.
+template <class Light>
+void for_floats_and_halves(std::size_t count, Light&& light) {
+    const auto floats = random_values<float>(count);
+    light(shrm::TransferValues{floats, {}});
+    std::vector<std::uint16_t> halves(count);
+    for (std::uint16_t& value : halves) value = static_cast<std::uint16_t>(generator() % 0x3c00);
+    light(shrm::TransferValues{{}, halves});
+}
+
+void transfer_lighting() {
+    struct {
+        int vertices, n;
+    } const sizes[] = {{1, 1}, {131, 1}, {63, 2}, {64, 3}, {131, 5}, {5, 10}};
+    for (const auto [vertices, n] : sizes)
+        for (int channels : {1, 3}) {
+            const auto V = size(vertices), terms = size(n * n), C = size(channels);
+            const auto points = random_values<float>(3 * V), light = random_values<float>(3 * terms);
+            const shrm::TransferSurface surface(points, frames(vertices));
+            std::vector<float> radiance(3 * V);
+            const shrm::Eye near{{points[0], points[1], points[2]}, false}, far{{0, 0.6f, -0.8f}, true};
+
+            for_floats_and_halves(V * C * terms, [&](const shrm::TransferValues& rows) {
+                shrm::light_rows(rows, vertices, channels, light, radiance);
+            });
+            for (int M : {2, 5}) {
+                const auto tents = size(M * M);
+                for_floats_and_halves(V * tents * C * terms, [&](const shrm::TransferValues& matrices) {
+                    shrm::light_tents(surface, matrices, M, channels, light, near, radiance);
+                });
+                const auto coefficients = random_values<float>(V * tents * 3);
+                shrm::light_fixed_tents(surface, coefficients, M, far, radiance);
+                std::vector<std::int32_t> clusters(V);
+                for (std::size_t p = 0; p < V; ++p) clusters[p] = static_cast<std::int32_t>(p % 3);
+                const auto components = random_values<float>(3 * 6 * tents * C * terms);
+                for (int K : {1, 6})
+                    for_floats_and_halves(V * 6, [&](const shrm::TransferValues& weights) {
+                        shrm::CompressedTransfer(weights, clusters, components, vertices, 3, 6, K, M,
+                                                 channels, n * n)
+                            .light(surface, light, near, radiance);
+                    });
+            }
+
+            std::size_t bands = 0;
+            for (int l = 0; l < n; ++l) bands += size((2 * l + 1) * (2 * l + 1));
+            const auto rotations = random_values<float>(V * bands + size(shrm::rotation_room));
+            const auto samples = random_values<float>(9 * C * terms);
+            const auto kernel = random_values<float>(size(n) * C);
+            const auto earlier = [&](const shrm::TransferValues& transfer) {
+                for (bool either : {false, true}) {
+                    shrm::light_projected(surface, samples, 3, either, channels, rotations, transfer, light,
+                                          near, radiance);
+                    shrm::light_projected(surface, samples, 3, either, channels, {}, transfer, light, far,
+                                          radiance);
+                    shrm::light_convolved(surface, kernel, channels, either, transfer, light, near, radiance);
+                }
+            };
+            for_floats_and_halves(V * terms * terms, earlier);
+            earlier({});
+        }
+}
+
 }  // namespace
 
 int main() {
@@ -285,5 +358,6 @@ int main() {
     radiance();
     integrators();
     directional_basis();
+    transfer_lighting();
     std::puts("sanitize: done");
 }
