@@ -238,6 +238,12 @@ def test_compression_is_worse_with_gloss_and_shadows():
         assert last["glossy", shadows] < last["matt", shadows]
 
 
+def test_unshadowed_components_are_those_of_frames_of_two_angles():
+    made = shadowing().precomputed(brdf.AshikhminShirley(40, 10), M=4, path=Path(inner=n), K=82, half=False)
+    snr = made.report["compression"]["unshadowed"]["SNR of 1 to K"]
+    assert snr[79] < 100 < 120 < snr[80]  # what remains after 81 is rounding, of float32 frames
+
+
 KINDS = [(material, shadows) for material in ("glossy", "matt") for shadows in ("no shadows", "shadowed")]
 
 
@@ -314,10 +320,11 @@ def test_the_object_fills_the_picture(scale):
     mesh = Mesh(mesh.vertices * scale, mesh.faces).placed(radius=1.0)
     x, y = transfer_pictures.framed(mesh).project(mesh.vertices, 100, 100)
     assert min(x.min(), y.min()) > 0
-    assert max(x.max(), y.max()) < 100
-    assert max(np.ptp(x), np.ptp(y)) > 90
+    assert x.max() < 100
+    assert y.max() < 92  # a line of text
+    assert max(np.ptp(x), np.ptp(y)) > 85
     assert abs(x.min() + x.max() - 100) < 6
-    assert abs(y.min() + y.max() - 100) < 6
+    assert abs(y.min() + y.max() - 94) < 6
 
 
 def test_the_camera_sees_vertices_that_look_at_it():

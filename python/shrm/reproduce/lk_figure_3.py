@@ -32,6 +32,8 @@ MATERIALS = {"glossy": brdf.AshikhminShirley(40, 40), "matt": brdf.AshikhminShir
 WAYS = {"m = 5": Way(inner=n, m=5, extension="even"), "direct": Way()}
 """By way of harmonics, as the paper's figure, and straight from rays to tents."""
 
+HIGHEST = 60.0  # of the picture, in dB
+
 SHOWN = (1, 2, 3, 5, 10, 15, 20, 25, 30, 40, 50, 60, 80, 100)
 
 FloatArray = npt.NDArray[np.float64]
@@ -96,7 +98,8 @@ def _curves(this: Subject, way: str, name: str, material: brdf.BRDF, path: Way, 
     made = this.precomputed(material, M=TENTS, path=path, K=K, half=False)
     found = []
     for shadowed, variant in ((False, "unshadowed"), (True, "shadowed")):
-        snr = np.array(made.report["compression"][variant]["SNR of 1 to K"], float)
+        reported = made.report["compression"][variant]["SNR of 1 to K"]
+        snr = np.array([np.inf if x is None else x for x in reported])
         found.append(Curve(way, name, shadowed, snr - 10 * np.log10(energy(made, variant)), snr))
     return found
 
@@ -124,6 +127,8 @@ def _notes(this: Subject) -> list[str]:
         "PSNR is the paper's measure, -10 log10 of the mean squared error over the hemisphere under random "
         "light of norm 1; of the first components it is higher with shadows, which are dark. SNR is relative "
         "to what is compressed.",
+        "Frames whose tangents run around the vertical depend on two angles: without shadows there are "
+        f"{(2 * n - 1) ** 2} components, products of trigonometric polynomials of degree {n - 1} in both.",
         "The paper shows curves and prints no numbers: shadows and gloss lower them, it says.",
     ]
 
@@ -140,7 +145,7 @@ def _draw(curves: list[Curve]) -> Figure:
             panel.plot(every, values[np.array(every) - 1], MARKS[k], color=COLORS[k], markersize=5)
             panel.plot([], [], MARKS[k], color=COLORS[k], linestyle="-", label=curve.label)
         what = "average PSNR, dB" if kind == "PSNR" else "relative SNR, dB"
-        panel.set(xlabel="components K", ylabel=what)
+        panel.set(xlabel="components K", ylabel=what, ylim=(0, HIGHEST))
         panel.set_title(f"{way}, as in [LK03]" if kind == "PSNR" else way, fontsize=10)
         panel.legend(frameon=False, fontsize=8)
     return figure

@@ -18,6 +18,7 @@ Float32Array = npt.NDArray[np.float32]
 
 AZIMUTH, ELEVATION, DISTANCE = 25.0, 20.0, 6.0  # where the camera looks, as in `shrm.render.row_camera`
 PICTURE, SAMPLES = 360, 2
+MARGIN, LOWERED = 1.04, 0.08  # of half the object's extent: below it there is room for a line of text
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,9 +78,11 @@ def framed(mesh: Mesh) -> Camera:
     position = -DISTANCE * forward
     camera = Camera(_vector(position))
     slopes = _slopes(camera, mesh)
-    middle = np.append((slopes.min(axis=0) + slopes.max(axis=0)) / 2, 1.0)
-    camera = Camera(_vector(position), _vector(position + middle @ camera.axes))
-    reach = 1.03 * np.abs(_slopes(camera, mesh)).max()
+    low, high = slopes.min(axis=0), slopes.max(axis=0)
+    right, up = (low + high) / 2
+    aim = np.array([right, up - LOWERED * float((high - low).max()) / 2, 1.0])
+    camera = Camera(_vector(position), _vector(position + aim @ camera.axes))
+    reach = MARGIN * np.abs(_slopes(camera, mesh)).max()
     return Camera(camera.position, camera.target, fov=2 * float(np.degrees(np.arctan(reach))))
 
 
