@@ -30,6 +30,7 @@ from shrm.transfer.object import VARIANTS, RadianceTransfer, Variant
 from shrm.transfer.product import Path as Way
 from shrm.transfer.product import Product, product
 from shrm.transfer.rays import Occluders, mesh_faces, rows
+from shrm.transfer.stored import read
 from shrm.transfer.surface import MOST_ORDER, MOST_TENTS
 from shrm.transfer.visibility import Visibility
 from shrm.validation import number, one_of, whole_number
@@ -318,7 +319,7 @@ def _blocks(factors: Factors) -> Callable[[], Iterator[npt.NDArray[np.float32]]]
 
     def blocks() -> Iterator[npt.NDArray[np.float32]]:
         for start in range(0, len(factors.rows), 1024):
-            part = factors.rows[start : start + 1024]
+            part = read(factors.rows, slice(start, start + 1024))
             whole = part if factors.outer is None else np.matmul(factors.outer, part)
             yield whole.reshape(len(part), factors.tents, factors.channels, -1)
 

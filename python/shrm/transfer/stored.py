@@ -69,17 +69,31 @@ def stored(
             os.posix_fallocate(file.fileno(), 0, file.seek(0, os.SEEK_END))
     progress(finished, shape[0])
     if finished < shape[0]:
-        array = np.lib.format.open_memmap(data, mode="r+")
         for part in parts:
             if part.stop <= finished:
                 continue
-            array[part] = make(part)
+            rows = make(part)
+            # Mapped anew for each part: pages that stay mapped count as the memory of the process
+            array = np.lib.format.open_memmap(data, mode="r+")
+            array[part] = rows
             array.flush()
             new = array[max(part.start, finished) : part.stop]
             crc = zlib.crc32(new.data.cast("B"), crc)
             write_whole(state, json.dumps({"about": about, "finished": part.stop, "crc32": crc}).encode())
             progress(part.stop, shape[0])
     return np.lib.format.open_memmap(data, mode="r")
+
+
+def read(array: Float32Array, part: slice) -> Float32Array:
+    """Return rows of an array of `stored`, in memory: none of its pages is mapped for them."""
+    if not isinstance(array, np.memmap) or array.filename is None:
+        return array[part]
+    start, stop, _ = part.indices(len(array))
+    row = array[:1]
+    values = np.fromfile(
+        array.filename, array.dtype, (stop - start) * row.size, offset=array.offset + start * row.nbytes
+    )
+    return np.asarray(values, np.float32).reshape(stop - start, *array.shape[1:])
 
 
 def _finished(data: Path, state: Path, about: dict[str, Any]) -> tuple[int, int]:
