@@ -115,7 +115,6 @@ class Subject:
 
         Its uncompressed matrices are on disk until the next call.
         """
-        assert self.visibility.finished
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # accuracy that is not reached is what is shown
             return precompute(
