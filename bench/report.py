@@ -8,7 +8,7 @@ A table stands between two markers, and the first says which it is:
 
 Names are groups of the benchmarks, whose rows say time, error and share of the machine's limit, or one of
 `machine` (its limits), `kernels`, `beside the prototype`, `Fourier`, `methods`, `crossover`,
-`transfer methods` and `lighting`.
+`transfer methods`, `transfer precomputation` and `lighting`.
 """
 
 import json
@@ -172,6 +172,30 @@ def crossover(results: Results) -> list[str]:
     return markdown(heads, rows)
 
 
+def transfer_precomputation(results: Results) -> list[str]:
+    """Return how long each stage of precomputation takes, and the most memory of the process."""
+    found = of_group(results, "transfer precomputation")[0]["extra_info"]["rows"]
+    stages = ("choosing tents", "materials", "rays", "bounces", "matrices", "components")
+    rows = []
+    for row in found:
+        seconds = dict.fromkeys(stages, 0.0)
+        for name, value in row["stages"].items():
+            other = "components" if name.startswith("compressing") else "matrices"
+            seconds[name if name in seconds else other] += value
+        rows.append(
+            [
+                row["material"],
+                ", ".join(row["variants"]),
+                f"{row['M']} x {row['M']}, {row['SNR']:.1f} dB",
+                ", ".join(str(K) for K in row["K"]),
+                *(f"{seconds[name]:.1f} s" for name in stages),
+                f"{row['seconds']:.0f} s",
+                f"{row['bytes'] / 1e6:.0f} MB",
+            ]
+        )
+    return markdown(["material", "variant", "tents", "K", *stages, "together", "memory"], rows)
+
+
 def transfer_methods(results: Results) -> list[str]:
     """Return the ways to light an object with transfer: two numbers are with shadows and without."""
     by_method: dict[str, dict[bool, Results]] = {}
@@ -225,6 +249,7 @@ TABLES = {
     "methods": methods,
     "crossover": crossover,
     "transfer methods": transfer_methods,
+    "transfer precomputation": transfer_precomputation,
     "machine": machine,
     "kernels": kernels,
     "beside the prototype": beside_the_prototype,
