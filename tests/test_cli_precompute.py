@@ -116,10 +116,47 @@ def test_a_computation_that_was_stopped_goes_on(
     assert not work.exists()
 
 
+def test_files_of_others_in_the_work_folder_stay(
+    shrm: Command, mesh_file: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    work, scratch = tmp_path / "own.shrt.work", tmp_path / "scratch"
+    command = ("transfer", mesh_file, "--brdf", "phong:10", "--uncompressed", "--bounces", "1", *FEW, "-o")
+    work.mkdir()
+    (work / "notes.txt").write_text("kept")
+    assert shrm(*command, tmp_path / "own.shrt")[0] == 0
+    assert [path.name for path in work.iterdir()] == ["notes.txt"]
+    scratch.mkdir()
+    (tmp_path / "linked.shrt.work").symlink_to(scratch)
+    status, _, err = shrm(*command, tmp_path / "linked.shrt")
+    assert (status, err) == (0, "")
+    assert not list(scratch.iterdir())
+
+
+def test_an_output_that_is_a_folder_is_refused_before_any_work(
+    shrm: Command, mesh_file: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    out = tmp_path / "folder.shrt"
+    out.mkdir()
+    status, _, err = shrm("transfer", mesh_file, "--brdf", "phong:10", *FEW, "-o", out)
+    assert (status, err) == (1, f"shrm: error: {out}: Is a directory\n")
+    assert not (tmp_path / "folder.shrt.work").exists()
+
+
+def test_clusters_are_found_among_fewer_components_than_usual(
+    shrm: Command, mesh_file: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    out = tmp_path / "clusters.shrt"
+    few = ("--directions", "64", "--tents", "3", "--path", "5", "--clusters", "2")  # 9 tents, 25 harmonics
+    status, _, err = shrm("transfer", mesh_file, "--brdf", "lambert:0.5", *few, "-o", out)
+    assert (status, err) == (0, "")
+    assert RadianceTransfer.load(out).variants["shadowed"].components.shape[:2] == (2, 3)
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (("--brdf", "phong:10", "--mask", "no.png"), "--mask"),
+        (("--brdf", "phong:10", "--albedo", "0.5"), "--albedo"),
         (("--brdf", "phong:10", "--brdf", "phong:20"), "--mask"),
         (("--brdf", "phong:10", "--path", "8,8,8"), "direct, published, S or S,M"),
         (("--brdf", "phong:10", "--no-shadows", "--bounces", "1"), "--bounces"),

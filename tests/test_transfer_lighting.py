@@ -471,6 +471,9 @@ BAD = {
     "matrices must have 1 or 3 channels, got 2": lambda: Tents(POINTS, FRAMES, np.zeros((V, 9, 2, 4))),
     "matrices must have the shape": lambda: Tents(POINTS, FRAMES, np.zeros((V - 1, 9, 1, 4))),
     "matrices must be finite": lambda: Tents(POINTS, FRAMES, np.full((V, 9, 1, 4), np.inf)),
+    "matrices must be finite, got values that are not, the first in row 0": lambda: Tents(
+        POINTS, FRAMES, np.full((V, 9, 1, 4), 1e300)
+    ),
     r"K must be in \[1, 4\], got 5": lambda: Compressed(
         POINTS, FRAMES, np.zeros((V, 4)), np.zeros((4, 9, 1, 4)), K=5
     ),

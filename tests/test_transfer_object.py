@@ -189,7 +189,7 @@ def test_a_report_that_json_does_not_know_is_refused(tmp_path, value):
 
 def test_places_that_cannot_be_written_are_told(tmp_path):
     (tmp_path / "folder").mkdir()
-    for place in ("folder", "none/a.shrt"):
+    for place in ("folder", "none/a.shrt", 250 * "a" + ".shrt"):
         with pytest.raises(TransferFileError, match=r"^[^\n]*: cannot be written \([^\n]*\)$"):
             transfer().save(tmp_path / place)
     assert names(tmp_path) == {"folder"}

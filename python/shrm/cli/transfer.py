@@ -7,7 +7,8 @@ FILE.work until it is finished: the same command goes on where it was stopped.
 from __future__ import annotations
 
 import argparse
-import shutil
+import errno
+import os
 import time
 from typing import TYPE_CHECKING
 
@@ -78,12 +79,17 @@ def run(options: argparse.Namespace) -> None:
     """Read the mesh, compute, save."""
     from shrm.render import Mesh
     from shrm.transfer import precompute
+    from shrm.transfer.precompute import remove_work
 
     materials = [parse_brdf(text) for text in options.brdf]
     if (len(materials) == 2) != (options.mask is not None) or len(materials) > 2:
         raise argparse.ArgumentError(None, "argument --mask: goes with two --brdf, and two --brdf with it")
     if options.no_shadows and options.bounces is not None:
         raise argparse.ArgumentError(None, "argument --bounces: not allowed with argument --no-shadows")
+    if options.albedo is not None and options.bounces is None:
+        raise argparse.ArgumentError(None, "argument --albedo: is that of --bounces, and needs them")
+    if options.output.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(options.output))
     work = options.output.with_name(options.output.name + ".work")
     start = time.perf_counter()
     with stages() as progress:
@@ -109,7 +115,7 @@ def run(options: argparse.Namespace) -> None:
             progress=progress,
         )
         made.save(options.output)
-    shutil.rmtree(work)
+    remove_work(work)
     print(f"{options.output}: {described(made)}, {time.perf_counter() - start:.0f} s")
 
 

@@ -43,6 +43,7 @@ import secrets
 import struct
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, NoReturn
 
@@ -113,7 +114,8 @@ def save(
     except OSError as error:
         raise TransferFileError(f"{path}: cannot be written ({error.strerror or error})") from None
     finally:
-        beside.unlink(missing_ok=True)
+        with suppress(OSError):  # where it cannot even be named it is not there
+            beside.unlink(missing_ok=True)
 
 
 def load(path: str | Path, *, verify: bool = False) -> RadianceTransfer:

@@ -6,10 +6,11 @@ was, and nothing larger than a block of vertices needs to fit in memory.
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -52,6 +53,12 @@ _OF_CLUSTER = 3
 
 _FACTORED = 2048
 """Columns up to which exact components are found as fast as random ones."""
+
+_RAYS = ("rays", "rays with hits")
+"""Folders in the one for work: without hits, and with them."""
+
+_UNCOMPRESSED = " matrices"
+"""What the names of uncompressed matrices end in there."""
 
 
 class Surface(Protocol):
@@ -200,8 +207,7 @@ def precompute(
     with _folder(work) as folder:
         if hidden:
             hits = "interreflected" in wanted
-            name = "rays with hits" if hits else "rays"
-            visibility = Visibility(folder / name, vertices, faces, frames, rays, hits=hits)
+            visibility = Visibility(folder / _RAYS[hits], vertices, faces, frames, rays, hits=hits)
             visibility.compute(stage("rays"))
             if hits:
                 albedo = materials.albedo(products) if albedo is None else albedo
@@ -219,7 +225,7 @@ def precompute(
             components = components.halved() if half else components
             stage(f"compressing {name}")(1, 1)
             compression[name] = components.report()
-            whole = factors.matrices(folder / f"{name} matrices") if matrices else None
+            whole = factors.matrices(folder / f"{name}{_UNCOMPRESSED}") if matrices else None
             found[name] = Variant(components.weights, components.components, components.clusters, whole)
     report = {
         "SNR of matrices": round(snr, 2) if np.isfinite(snr) else None,
@@ -241,6 +247,27 @@ def precompute(
         material=materials.name,
         report=report,
     )
+
+
+def remove_work(work: str | Path) -> None:
+    """Remove a folder that `precompute` worked in: what it put there, and the folder if nothing else is left.
+
+    Raises
+    ------
+    OSError
+        If something of it cannot be removed.
+    """
+    work = Path(work)
+    for name in _RAYS:
+        if (work / name).is_dir():
+            shutil.rmtree(work / name)
+    for name in VARIANTS:
+        for array in (name, f"{name}{_UNCOMPRESSED}"):
+            for pattern in (f"{array}.npy", f"{array}.json", f".{array}.*.part"):
+                for file in work.glob(pattern):
+                    file.unlink()
+    with suppress(OSError):  # what else is there stays; and so does a link, to a folder made by hand
+        work.rmdir()
 
 
 def _wanted(variants: Sequence[str]) -> list[str]:
@@ -300,7 +327,8 @@ def _compressed(
     """Components of a variant, as many as the accuracy takes or as are asked for."""
     outer = factors.outer
     small = outer is not None and outer.shape[1] * n * n <= _FACTORED
-    columns = factors.rows[0].size if small else factors.tents * factors.channels * n * n
+    height = factors.tents * factors.channels
+    columns = (min(height, factors.rows.shape[1]) if small else height) * n * n
     asked: dict[str, Any] = {"accuracy": accuracy} if K is None else {"K": min(K, columns)}
     if clusters is not None:
         asked = {"K": min(max(_COORDINATES, K or 0), columns)}

@@ -179,7 +179,8 @@ def stored_array(name: str, value: npt.ArrayLike, shape: tuple[int | None, ...])
         needed = ", ".join("any" if extent is None else str(extent) for extent in shape)
         raise ValueError(f"{name} must have the shape ({needed}), not empty, got {array.shape}")
     kept = array.dtype if array.dtype in (np.float32, np.float16) else np.dtype(np.float32)
-    result: StoredArray = np.ascontiguousarray(array, dtype=kept)
+    with np.errstate(over="ignore"):  # said below
+        result: StoredArray = np.ascontiguousarray(array, dtype=kept)
     for start in range(0, len(result), BLOCK):
         finite = np.isfinite(result[start : start + BLOCK])
         if not finite.all():
