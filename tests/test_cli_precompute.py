@@ -59,7 +59,7 @@ def test_the_command_makes_what_the_library_makes(
     status, told, _ = shrm("info", out)
     assert status == 0
     assert "ashikhmin-shirley(nu=40,nv=10)" in told
-    assert "tents    5 x 5, by way of direct" in told
+    assert "tents    5 x 5, straight from rays" in told
     assert "interreflected" in told
 
 

@@ -87,13 +87,13 @@ def transfer_lines(path: str) -> list[str]:
     from shrm.transfer import RadianceTransfer
 
     made = RadianceTransfer.load(path)
-    snr = made.report.get("SNR of matrices")
+    snr, path = made.report.get("SNR of matrices"), made.report.get("path", "an unknown path")
+    way = "straight from rays" if path == "direct" else f"by way of {path}"
     lines = [
         f"  {len(made.vertices)} vertices, {len(made.faces)} faces",
         f"  material {made.material}, {'grey' if made.channels == 1 else 'RGB'}",
         f"  light    of order {made.n}",
-        f"  tents    {made.M} x {made.M}, by way of {made.report.get('path', 'an unknown path')}: "
-        + ("exact" if snr is None else f"{snr:.1f} dB"),
+        f"  tents    {made.M} x {made.M}, {way}: " + ("exact" if snr is None else f"{snr:.1f} dB"),
     ]
     for name, variant in made.variants.items():
         said = made.report.get("compression", {}).get(name, {})

@@ -97,7 +97,7 @@ def add_tangents(command: argparse.ArgumentParser, default: str | None) -> None:
         "--tangents",
         choices=tuple(TANGENTS),
         default=default,
-        help="how tangents run on a mesh, for banks and kajiya-kay: "
+        help="how tangents run on a mesh, for materials that have a direction: "
         + ", ".join(f"{name}: {what}" for name, what in TANGENTS.items())
         + " (default axis)",
     )

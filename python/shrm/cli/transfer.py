@@ -46,7 +46,12 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add_tangents(command, default="axis")
     add("--order", type=whole, default=5, metavar="N", help="of the light: degrees 0 to N - 1 (default 5)")
     add("--directions", type=whole, default=4096, metavar="D", help="rays over a sphere (default 4096)")
-    add("--bounces", type=whole, metavar="B", help="light that parts of the object send each other, so often")
+    add(
+        "--bounces",
+        type=whole,
+        metavar="B",
+        help="diffuse reflections between its parts (default: none)",
+    )
     add("--albedo", type=number, metavar="A", help="of these bounces, 0 to 1 (default: the material's)")
     add("--no-shadows", action="store_true", help="light reaches every vertex")
     add(
@@ -56,7 +61,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         metavar="DB",
         help="relative SNR of outgoing radiance in dB that tents, and again components, keep (default 24)",
     )
-    add("--tents", type=whole, metavar="M", help="to a side (default: from the accuracy)")
+    add("--tents", type=whole, metavar="M", help="M x M tents in all (default: from the accuracy)")
     add(
         "--path",
         type=path,

@@ -11,8 +11,8 @@
 >>> radiance = transfer.radiance(light, eye=[-3, 0, 1])         # (V, 3), at the vertices
 
 From a mesh to its file, in the order of the data: `directions`, `rays`, `visibility`, `bounces`; `product`,
-`accuracy`, `materials`, `matrices`; `components`, `compression`, `clusters`; `precompute`, `object`, `file`.
-At run time: `surface`, `tents`, `earlier`, `lighting`.
+`accuracy`, `materials`, `stored`, `matrices`; `components`, `compression`, `clusters`; `precompute`,
+`object`, `quaternions`, `file`. At run time: `surface`, `tents`, `earlier`, `lighting`.
 
 References
 ----------

@@ -2,8 +2,8 @@
 
 The error of tents, of harmonics between and of the rays' number depends on the material and on what hides
 the light: no formula knows it. So some vertices see the light along many more rays, and reflect it towards
-some views without any expansion. The relative SNR, in dB, of what a product has there is the mean over white
-light of order n, over the views above the horizon, and over the vertices.
+some views without any expansion. The relative SNR of what a product has there is 10 log10 of the energy over
+that of the error, both summed over random light of order n, the views and the vertices.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from shrm.transfer.product import (
 FloatArray = npt.NDArray[np.float64]
 
 TENTS = (3, 5, 7, 9, 11, 13, 15, 17, 21, 25)
-"""Numbers M that are tried, in this order."""
+"""Numbers M among which `chosen` looks for the smallest."""
 
 MARGIN = 1.0
 """In dB, by which the accuracy at the sample has to exceed the one that is asked for."""
@@ -102,8 +102,8 @@ def chosen(
     accuracy : float
         Wanted, in dB. If nothing reaches it, what comes nearest is returned.
     M, path
-        Given ones are kept. Without a path it is the shortest that will do: inner order n, inner order 8,
-        direct.
+        Given ones are kept. Without a path it is the shortest that will do: inner order n, then 8 if n is
+        smaller, both with views of order 8, then none.
     progress : callable
         Called with the number of tents tried and to be tried.
     """
@@ -114,7 +114,7 @@ def chosen(
         made = (product(brdf, M, n, sample.directions, path, points=2) for brdf in brdfs)
         return min(measured(one, rows, sample) for one, rows in zip(made, expected, strict=True))
 
-    paths = (path,) if path else (Path(), *(Path(order, m=8) for order in (n, 8) if order >= n))
+    paths = (path,) if path else (Path(), *(Path(order, m=8) for order in sorted({n, max(n, 8)})))
     # Of the paths that are tried the first is the most accurate. More tents are more accurate and take
     # longer: from the middle on upwards, or downwards as long as they will do.
     tried = TENTS if M is None else (M,)

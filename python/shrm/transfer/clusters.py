@@ -1,7 +1,12 @@
 """Clustered principal components: vertices in clusters, each with components of its own [SHHS03].
 
-Clusters are found among the coordinates of vertices in global components, whose energy is the same and
-whose number is much smaller; what the global components leave stays left.
+Clusters are found among the coordinates of vertices in many global components: few numbers of the same
+energy. What those components leave is not looked at again.
+
+References
+----------
+[SHHS03] P.-P. Sloan, J. Hall, J. Hart, J. Snyder. Clustered Principal Components for Precomputed Radiance
+    Transfer. SIGGRAPH 2003.
 """
 
 from __future__ import annotations

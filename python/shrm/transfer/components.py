@@ -15,8 +15,8 @@ from shrm.validation import whole_number
 Array = npt.NDArray[np.floating]
 FloatArray = npt.NDArray[np.float64]
 
-_HALF_EXPONENT = 13
-"""Half weights alone are below 2^14: far from overflow, and with all their digits down to 2^-28 of that."""
+_HALF_EXPONENT = 14
+"""Half weights alone are below 2^14: far from overflow, and with all their digits down to 2^-14."""
 
 
 _VERTICES = 4096
@@ -101,7 +101,7 @@ class PrincipalComponents:
         index = np.zeros(len(self.weights), np.int32) if self.clusters is None else self.clusters
         largest = np.zeros(forms.shape[:2])
         np.maximum.at(largest, index, np.abs(self.weights).astype(np.float64))
-        shift = -np.frexp(largest)[1] + _HALF_EXPONENT + 1
+        shift = -np.frexp(largest)[1] + _HALF_EXPONENT
         if components:
             highest = np.abs(forms).max(axis=(2, 3, 4))
             shift = (np.frexp(highest)[1] - np.frexp(largest)[1]) // 2

@@ -4,7 +4,8 @@ The matrices A_p of all vertices are approximated by weighted sums of K, without
 
     A_p ~ sum_k w_pk A_k                                                        [LK03 eq. 12]
 
-What is kept is best in outgoing radiance, not in coefficients: with G the Gram matrix of the tents and light
+[LK03 section 6] takes the components of the coefficients themselves. Here what is kept is best in outgoing
+radiance: with G the Gram matrix of the tents and light
 whose coefficients are random, independent and of variance 1, the expected squared error of radiance over the
 hemisphere, summed over channels, is |L^T (A_p - A~_p)|^2, where G = L L^T. Rows are therefore multiplied by
 L^T ("whitened") before anything is decomposed; components are orthonormal in G, and the energy left by K of
@@ -78,7 +79,7 @@ def factored(
     X : (V, r, n^2) floating
         For each vertex, from light; mapped from disk maybe.
     K : int, optional
-        How many components, 1 to r n^2; by default all of them.
+        How many components, 1 to min(M^2 C, r) n^2; by default all of them.
     accuracy : float, optional
         Instead: as many as reach this SNR, in dB.
 

@@ -230,7 +230,7 @@ def zonal_kernel(brdf: BRDF, n: int) -> FloatArray:
     Returns
     -------
     (n, C) float64
-        The lobe's eigenvalues: light of degree l alone is reflected as rho_l times itself at the axis.
+        The lobe's eigenvalues: light of degree l alone is reflected as so many times itself at the axis.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Lighting an object at run time: the methods that [LK03] table 1 compares, with one call.
+"""Lighting an object at run time: [LK03]'s method, those before it and special cases, with one call.
 
     Tents        four rows of a matrix for each vertex                            [LK03 eq. 9]
     Compressed   the same from principal components, without making the matrices  [LK03 eq. 13]

@@ -1,9 +1,9 @@
 """The matrices A_p of all vertices [LK03 section 4.4], computed block by block into a folder.
 
-    A_p = Q (V_p o Y) R_p + Q X_p        X_p: radiance that the object itself sends along the d_k
+    A_p = Q (V_p o Y) R_p + Q L_p        L_p: radiance that the object itself sends along the d_k
 
 What is kept for a vertex are rows over the light: those of the tents; or, where one material makes them from
-harmonics, the fewer of these, T_p, with A_p = P T_p.
+harmonics, the fewer of these, X_p, with A_p = P X_p.
 """
 
 from __future__ import annotations
@@ -219,7 +219,7 @@ class Matrices:
 def _reflect(
     rows: Float32Array, rays: Float32Array, block: Block, visibility: Visibility, leaving: Float32Array
 ) -> None:
-    """Add Q X_p to rows (vertices, r, C, n^2), in place; rays (r, C or 1, D)."""
+    """Add Q L_p to rows (vertices, r, C, n^2), in place; rays (r, C or 1, D)."""
     for part in block.parts(_REFLECTED):
         X = incident(part, visibility.faces, leaving)  # (vertices, D, C or 1, n^2)
         at = slice(part.first - block.first, part.first - block.first + len(X))

@@ -21,7 +21,7 @@ from shrm.validation import one_of, real_array, whole_number
 Array = npt.NDArray[np.floating]
 
 VARIANTS = ("unshadowed", "shadowed", "interreflected")
-"""The names of variants: light that reaches a vertex straight, or past the rest of the object, or from it."""
+"""Nothing hides the light; the object does; and its parts send each other light as well."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +147,7 @@ class RadianceTransfer:
         Parameters
         ----------
         variant : str, optional
-            By default the one with most of light's ways.
+            By default the most complete one.
         K : int, optional
             How many components, 1 to those there are; by default all.
         M : int, optional

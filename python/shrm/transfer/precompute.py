@@ -1,7 +1,7 @@
 """From a mesh and a material to an object with transfer: rays, products, compression [LK03].
 
 What takes long is kept in a folder as it is finished, so that a computation that was stopped goes on where it
-was, and nothing larger than a block of vertices needs to fit in memory.
+was, and the matrices of all vertices need not fit in memory.
 """
 
 from __future__ import annotations
@@ -111,23 +111,24 @@ def precompute(
     brdf : BRDF or sequence of BRDF
         The material, anisotropic ones too; or several.
     shares : (V, materials) array_like, optional
-        Of several materials at each vertex, at least 0: a material for each vertex, or blends, at no cost at
+        Of several materials at each vertex, 0 to 10^6: a material for each vertex, or blends, at no cost at
         run time. Those of a texture are `shrm.render.Mesh.texture_at_vertices`.
     tangents : (V, 3) array_like, optional
         At the vertices, for anisotropic materials; by default around the vertical.
     n : int
         Order of the light, degrees 0 to n - 1, 1 to 10.
     directions : int
-        Rays over a sphere; half of them are cast from each vertex.
+        Rays over a sphere, 16 to 65536; half of them are cast from each vertex.
     variants : sequence of {"unshadowed", "shadowed", "interreflected"}
         What is computed. The last has `bounces` diffuse reflections of the object by itself.
     bounces : int
         1 to 1000.
     albedo : float, (3,), (V,) or (V, 3) array_like, optional
-        Of those reflections, in [0, 1]; by default the material's under white light.
+        Of those reflections, in [0, 1]; by default the material's under uniform light.
     accuracy : float
-        Relative SNR of outgoing radiance in dB, in [0, 60], that tents and the path are chosen for; and then,
-        against their matrices, the components. Both are measured (`report`).
+        Relative SNR of outgoing radiance in dB, in [0, 60], that tents and the path are chosen for, against
+        rays; and then, against their matrices, up to 512 components: both together have some 3 dB less. Both
+        are measured (`report`). Components whose number is given by K or clusters have what they have.
     M : int, optional
         Tents along a side, instead of choosing.
     path : shrm.transfer.Path, optional

@@ -4,16 +4,17 @@ All vertices share one set of directions d_k in their local frames, so that what
 along them is one matrix. With V_p the visibility and Y the harmonics of the light at d_k, and R_p the
 rotation of harmonics into the frame of the vertex,
 
-    A_p = Q (V_p o Y) R_p        Q_tk = G^-1 int g_t(v) rho_hat(d_k, v) dv  2 pi / D
+    A_p = Q (V_p o Y) R_p        Q_tk = 2 pi / D sum_s (G^-1)_ts int g_s(v) rho_hat(d_k, v) dv
 
-[LK03 eq. 9] put harmonics between: A_p = P T_p R_p with P = G^-1 C B and the transfer matrix
-T_p = int Y V_p Y^T. This is a Q of rank s^2, P (2 pi / D) Y_s^T, where the inner order s is that of the light
-in the paper. There the truncation of transferred radiance to order n is the largest error by far for glossy
-materials with shadows; a higher inner order costs nothing at run time, and the product without any is more
-accurate still. The price is compression: PCA of products with a small P is exact and small.
+where rho_hat is the BRDF times the cosine [LK03 eq. 1]. [LK03 eq. 9] puts harmonics between: with T'_p, its
+transfer matrix turned into the vertex's frame, A_p = P T'_p R_p, P = G^-1 C B and T'_p = int Y V_p Y^T. This
+is a Q of rank s^2, P (2 pi / D) Y_s^T, where the inner order s is that of the light in the paper. There the
+truncation of transferred radiance to order n is the largest error by far for glossy materials with shadows; a
+higher inner order costs nothing at run time, and the product without any is more accurate still. The price is
+compression: PCA of products with a small P is exact and small.
 
-Without shadows A_p is B R_p with B exact, [LK03]'s T of the identity. Every Q is corrected, by the least
-change, so that it makes the same of light that nothing hides: Q Y = B; by way of harmonics P T, with T that
+Without shadows A_p is P R_p with an exact P, [LK03]'s T of the identity. Every Q is corrected, by the least
+change, so that it makes the same of light that nothing hides: Q Y = P; by way of harmonics P T, with T that
 of the whole hemisphere. Errors of the quadrature over d_k are then those of shadows alone.
 
 References
@@ -94,7 +95,10 @@ class Path:
 
 
 def published(n: int) -> Path:
-    """Return the path of [LK03 section 7]: inner order n, m = 8, even extension, a window above degree 5."""
+    """Return the path of [LK03 section 7]: inner order n, m = 8, a window above degree 5.
+
+    The even extension and the shape of the window are ours: the paper does not say which it has.
+    """
     return Path(inner=n, m=8, extension="even", window_above=5)
 
 

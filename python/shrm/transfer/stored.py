@@ -3,7 +3,7 @@
     NAME.npy     numpy's format, mapped into memory
     NAME.json    what it was computed from, how many of its rows are finished, and their CRC-32
 
-Rows count from when NAME.json says so, which is written after them.
+NAME.json is written after the rows that it counts; those beyond its count are computed again.
 """
 
 from __future__ import annotations

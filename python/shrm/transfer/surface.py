@@ -92,7 +92,7 @@ class Lighting(ABC):
         Returns
         -------
         (V, 3) float32
-            `out`, if given. Vertices that face away have the radiance of the horizon below the eye.
+            `out`, if given. Vertices that face away are lit as if they were seen from their horizon.
 
         Raises
         ------
