@@ -198,9 +198,7 @@ def seen_vertices(
     return row[front], direction[front], faces[block.hits.face[front]], np.stack([1 - u - v, u, v], axis=1)
 
 
-def incident(
-    block: Block, faces: Int32Array, leaving: Float32Array, out: Float32Array | None = None
-) -> Float32Array:
+def incident(block: Block, faces: Int32Array, leaving: Float32Array) -> Float32Array:
     """Return the radiance that the mesh itself sends to the vertices of a block.
 
     Take few vertices at a time (`Block.parts`): one has D C n^2 numbers.
@@ -211,14 +209,11 @@ def incident(
         With hits.
     faces : (T, 3) int32
     leaving : (V, C, n^2) float32
-    out : (B, D, C, n^2) float32, optional
-        Takes the result in the directions that meet the front of a face, and keeps what it has in the others.
-        Without it, those are 0.
 
     Returns
     -------
     (B, D, C, n^2) float32
-        Rows over the light's coefficients in global coordinates; `out`, if given.
+        Rows over the light's coefficients in global coordinates; 0 where no front of a face is met.
 
     Raises
     ------
@@ -226,15 +221,14 @@ def incident(
         If the block has no hits.
     """
     shape = (*block.visible.shape, *leaving.shape[1:])
-    if out is None:
-        out = np.zeros(shape, np.float32)
+    found = np.zeros(shape, np.float32)
     row, direction, vertex, weight = seen_vertices(block, faces)
     L = leaving.reshape(len(leaving), -1)
     radiance = weight[:, :1] * L[vertex[:, 0]]
     for k in (1, 2):
         radiance += weight[:, k : k + 1] * L[vertex[:, k]]
-    out[row, direction] = radiance.reshape(-1, *shape[2:])
-    return out
+    found[row, direction] = radiance.reshape(-1, *shape[2:])
+    return found
 
 
 def _cosines(directions: FloatArray) -> FloatArray:

@@ -8,7 +8,6 @@ harmonics, the fewer of these, X_p, with A_p = P X_p.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +20,7 @@ from shrm.transfer.bounces import incident
 from shrm.transfer.materials import Materials
 from shrm.transfer.product import Product, accumulate, harmonics, rotated
 from shrm.transfer.stored import stored
-from shrm.transfer.visibility import Block, Visibility
+from shrm.transfer.visibility import Block, Visibility, digest
 
 FloatArray = npt.NDArray[np.float64]
 Float32Array = npt.NDArray[np.float32]
@@ -61,7 +60,7 @@ class Factors:
             return self.rows.reshape(shape)
         return stored(
             path,
-            {"digest": _digest(outer, self.rows)},
+            {"digest": digest(outer, self.rows)},
             (V, len(outer), n2),
             _parts(V),
             lambda part: np.matmul(outer, self.rows[part]),
@@ -211,7 +210,7 @@ class Matrices:
         if self.materials.shares is not None:
             arrays.append(self.materials.shares)
         sizes = {"n": self.n, "channels": self.channels, "path": str(made[0].path)}
-        about = {**sizes, "digest": _digest(*arrays)}
+        about = {**sizes, "digest": digest(*arrays)}
         shape = (len(self.frames), rows, self.n**2)
         return stored(self.folder / name, about, shape, parts, make, progress)
 
@@ -230,10 +229,3 @@ def _reflect(
 
 def _parts(vertices: int) -> list[slice]:
     return [slice(k, min(k + _VERTICES, vertices)) for k in range(0, vertices, _VERTICES)]
-
-
-def _digest(*arrays: npt.NDArray[Any]) -> str:
-    digest = hashlib.sha256()
-    for array in arrays:
-        digest.update(np.ascontiguousarray(array).data)
-    return digest.hexdigest()

@@ -233,9 +233,9 @@ class Visibility:
             "directions": len(self.directions),
             "hits": self.hits,
             "block": self.block,
-            "mesh_sha256": _hash(self.vertices, self.faces),
-            "frames_sha256": _hash(self.frames),
-            "directions_sha256": _hash(self.directions),
+            "mesh_sha256": digest(self.vertices, self.faces),
+            "frames_sha256": digest(self.frames),
+            "directions_sha256": digest(self.directions),
         }
 
     def _opened(self) -> list[int]:
@@ -287,11 +287,12 @@ def _local(name: str, value: npt.ArrayLike) -> FloatArray:
     return d
 
 
-def _hash(*arrays: npt.NDArray[Any]) -> str:
-    digest = hashlib.sha256()
+def digest(*arrays: npt.NDArray[Any]) -> str:
+    """Return what tells arrays apart: the SHA-256 of their bytes."""
+    sha = hashlib.sha256()
     for array in arrays:
-        digest.update(np.ascontiguousarray(array).data)
-    return digest.hexdigest()
+        sha.update(np.ascontiguousarray(array).data)
+    return sha.hexdigest()
 
 
 def _checked(array: npt.NDArray[Any], dtype: npt.DTypeLike, *shape: int) -> npt.NDArray[Any]:
