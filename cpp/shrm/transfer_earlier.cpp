@@ -50,16 +50,16 @@ SHRM_KERNEL inline void rotate(const float* bands, int channels, Row<known> row,
     });
 }
 
-// sums[c] += b_c T_p light_c, still apart in lanes. T_p is read in the order of memory.
-//   transfer (n^2, n^2)
-template <int known, int channels, class Stored>
-SHRM_KERNEL inline void transferred(const Stored* transfer, Row<known> row, const Rows& b,
-                                    const RowLight& light, Floats* sums) {
+// sums[c] += b_c T_p light_c of one vertex, still apart in lanes. T_p is read in the order of memory.
+//   transfer (n^2, n^2), b(c, i): coefficient i of channel c
+template <int known, int channels, class Stored, class Coefficient>
+SHRM_KERNEL inline void add_transferred(const Stored* transfer, Row<known> row, Coefficient&& b,
+                                        const RowLight& light, Floats* sums) {
     Floats products[channels][vectors_of(known ? known : most_terms)] = {};
     for (int i = 0; i < row.count(); ++i)
         row.for_vectors([&](auto v) {
             const Floats of_row = row.load(transfer + i * row.count(), v);
-            unrolled<channels>([&](auto c) { products[c][v] += b.of[c][i] * of_row; });
+            unrolled<channels>([&](auto c) { products[c][v] += b(c, i) * of_row; });
         });
     row.for_vectors([&](auto v) {
         unrolled<3>([&](auto c) {
@@ -68,27 +68,24 @@ SHRM_KERNEL inline void transferred(const Stored* transfer, Row<known> row, cons
     });
 }
 
+template <int known, class Stored, class Coefficient>
+inline void add_transferred(const Stored* transfer, Row<known> row, int channels, Coefficient&& b,
+                            const RowLight& light, Floats* sums) {
+    if (channels == 1)
+        add_transferred<known, 1>(transfer, row, b, light, sums);
+    else
+        add_transferred<known, 3>(transfer, row, b, light, sums);
+}
+
+// The same where T_p is 1.
 template <int known>
-SHRM_KERNEL inline void untransferred(Row<known> row, int channels, const Rows& b, const RowLight& light,
-                                      Floats* sums) {
+SHRM_KERNEL inline void add_untransferred(Row<known> row, int channels, const Rows& b, const RowLight& light,
+                                          Floats* sums) {
     row.for_vectors([&](auto v) {
         unrolled<3>([&](auto c) {
             sums[c] += row.load(b.of[channels == 1 ? 0 : c], v) * light.channel(c, v, row.vectors());
         });
     });
-}
-
-// sums[c] += b_c T_p light_c of one vertex; T_p is 1 where there is none.
-template <int known, class Stored>
-inline void add_radiance(const Stored* transfer, std::size_t vertex, Row<known> row, int channels,
-                         const Rows& b, const RowLight& light, Floats* sums) {
-    const Stored* matrix = transfer ? transfer + vertex * size(row.count() * row.count()) : nullptr;
-    if (!transfer)
-        untransferred<known>(row, channels, b, light, sums);
-    else if (channels == 1)
-        transferred<known, 1>(matrix, row, b, light, sums);
-    else
-        transferred<known, 3>(matrix, row, b, light, sums);
 }
 
 // Calls body with the transfer's values, or with a null pointer.
@@ -109,6 +106,16 @@ std::vector<float> kernel_of_terms(std::span<const float> kernel, int channels, 
     return of_terms;
 }
 
+// Functions of these coefficients at the axes.   coefficients (n^2, 3), values (lanes, 4)
+inline void evaluate_lanes(const std::vector<float>& coefficients, int terms, const Floats* Y,
+                           float* values) {
+    for (int c = 0; c < 3; ++c) {
+        Floats sum = {};
+        for (int j = 0; j < terms; ++j) sum += coefficients[size(3 * j + c)] * Y[j];
+        for (int k = 0; k < lanes; ++k) values[4 * k + c] = sum[k];
+    }
+}
+
 // Y_j at the axes of a vector of vertices.
 inline void harmonics_at(const float* x, const float* y, const float* z, int n, Floats* Y) {
     const struct {
@@ -123,6 +130,7 @@ void light_projected(const TransferSurface& surface, std::span<const float> samp
                      int channels, std::span<const float> rotations, const TransferValues& transfer,
                      std::span<const float> light, const Eye& eye, std::span<float> radiance) {
     const RowLight packed(light);
+    const auto elements = size(packed.terms() * packed.terms());
     const std::size_t bands =
         rotations.empty() ? 0 : (rotations.size() - rotation_room) / size(surface.vertices());
     for_stored(transfer, [&](const auto* matrices) {
@@ -145,8 +153,13 @@ void light_projected(const TransferSurface& surface, std::span<const float> samp
                         Rows local, global;
                         interpolate<known>(samples.data(), side, channels, row, at, p, local);
                         if (bands) rotate<known>(&rotations[vertex * bands], channels, row, local, global);
-                        add_radiance<known>(matrices, vertex, row, channels, bands ? global : local, packed,
-                                            sums + 4 * g);
+                        const Rows& b = bands ? global : local;
+                        if (matrices)
+                            add_transferred<known>(
+                                matrices + vertex * elements, row, channels,
+                                [&](int c, int k) { return b.of[c][k]; }, packed, sums + 4 * g);
+                        else
+                            add_untransferred<known>(row, channels, b, packed, sums + 4 * g);
                     }
                     store(found.values + 4 * i, sums_of<lanes>(sums));
                 }
@@ -161,6 +174,7 @@ void light_convolved(const TransferSurface& surface, std::span<const float> kern
                      const Eye& eye, std::span<float> radiance) {
     const RowLight packed(light);
     const int terms = packed.terms();
+    const auto elements = size(terms * terms);
     const std::vector<float> of_terms = kernel_of_terms(kernel, channels, terms);
     std::vector<float> filtered(size(terms * 3));  // light, where it is not transferred first
     for (int j = 0; j < terms; ++j)
@@ -185,22 +199,19 @@ void light_convolved(const TransferSurface& surface, std::span<const float> kern
                     Floats Y[most_terms];
                     harmonics_at(x + i, y + i, z + i, row.n(), Y);
                     if (!matrices) {
-                        for (int c = 0; c < 3; ++c) {
-                            Floats sum = {};
-                            for (int j = 0; j < terms; ++j) sum += filtered[size(3 * j + c)] * Y[j];
-                            for (int k = 0; k < lanes; ++k) found.values[4 * (i + k) + c] = sum[k];
-                        }
+                        evaluate_lanes(filtered, terms, Y, found.values + 4 * i);
                         continue;
                     }
+                    Floats lobes[3][most_terms];
+                    for (int c = 0; c < channels; ++c)
+                        for (int j = 0; j < terms; ++j) lobes[c][j] = of_terms[size(j * channels + c)] * Y[j];
                     for (int k = 0; k < lanes; k += vertex_group) {
                         Floats sums[lanes] = {};
                         for (int g = 0; g < vertex_group; ++g) {
-                            Rows b;
-                            for (int j = 0; j < terms; ++j)
-                                for (int c = 0; c < channels; ++c)
-                                    b.of[c][j] = of_terms[size(j * channels + c)] * Y[j][k + g];
-                            add_radiance<known>(matrices, size(first + std::min(i + k + g, count - 1)), row,
-                                                channels, b, packed, sums + 4 * g);
+                            const auto vertex = size(first + std::min(i + k + g, count - 1));
+                            add_transferred<known>(
+                                matrices + vertex * elements, row, channels,
+                                [&](int c, int j) { return lobes[c][j][k + g]; }, packed, sums + 4 * g);
                         }
                         store(found.values + 4 * (i + k), sums_of<lanes>(sums));
                     }
