@@ -7,7 +7,7 @@
 namespace shrm {
 namespace {
 
-// Components are taken in fours: a vector of the table holds as many of them as it has lanes for four values.
+// K is padded to a multiple of four; a vector of the table holds lanes / 4 components of (r, g, b, 0).
 constexpr int together = 4;
 
 // Weights of `vertex_group` components, each for four lanes.

@@ -70,8 +70,7 @@ inline constexpr int rotation_room = 16;
 // [KSS02]. The row, one for the three channels if C = 1, is multiplied from the left, so that a vertex takes
 // as many products as a matrix has elements.
 //   samples    (side^2, C, n^2), rows at the views of a parabolic map, or of the tents (side = M)
-//   rotations  (V, 1 + 9 + ... + (2n-1)^2): the bands of R_p, global to local, by rows; and rotation_room
-//   more
+//   rotations  (V, 1 + 9 + ... + (2n-1)^2): the bands of R_p, local from global, by rows; then rotation_room
 //              floats, for the vectors that begin in the last; or empty: 1
 //   transfer   (V, n^2, n^2): T_p; or empty: 1
 void light_projected(const TransferSurface& surface, std::span<const float> samples, int side, bool parabolic,

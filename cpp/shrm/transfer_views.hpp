@@ -1,5 +1,4 @@
-// Where the vertices of an object see the eye: in their frames, and among the samples of what they send
-// there.
+// Where the vertices of an object see the eye: in their frames, and among the samples of what they send.
 //
 // Vertices are taken in blocks, whose arrays stay in the first cache between the steps of the lighting.
 #pragma once
