@@ -1,12 +1,14 @@
 """`shrm transfer`: from a mesh file to an object with transfer, and `shrm info` of it."""
 
 import pathlib
+import signal
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 import trimesh
 from shrm import brdf
+from shrm.cli.console import interrupts_afterwards
 from shrm.image_io import write_image
 from shrm.render import Mesh
 from shrm.transfer import Path, RadianceTransfer, precompute
@@ -150,6 +152,30 @@ def test_clusters_are_found_among_fewer_components_than_usual(
     status, _, err = shrm("transfer", mesh_file, "--brdf", "lambert:0.5", *few, "-o", out)
     assert (status, err) == (0, "")
     assert RadianceTransfer.load(out).variants["shadowed"].components.shape[:2] == (2, 3)
+
+
+def test_an_interrupt_that_an_import_would_swallow_comes_after_it() -> None:
+    done = []
+
+    def careless() -> None:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except BaseException:  # as trimesh does around its imports
+            done.append("swallowed")
+        done.append("finished")
+
+    with pytest.raises(KeyboardInterrupt), interrupts_afterwards():
+        careless()
+    assert done == ["finished"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    with interrupts_afterwards():
+        pass
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # as of a process in the background
+    try:
+        with interrupts_afterwards():
+            signal.raise_signal(signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.mark.parametrize(

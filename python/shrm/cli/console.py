@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -89,3 +91,20 @@ def stages() -> Iterator[Callable[[str, int, int], None]]:
             bars.update(shown[stage], completed=done, total=total)
 
         yield update
+
+
+@contextmanager
+def interrupts_afterwards() -> Iterator[None]:
+    """Have Ctrl-C wait for the end of what is short: an import that would take it for a missing module."""
+    here = threading.current_thread() is threading.main_thread()
+    if not here or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    came: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, frame: came.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if came:
+        raise KeyboardInterrupt

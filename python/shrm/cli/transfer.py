@@ -12,7 +12,7 @@ import os
 import time
 from typing import TYPE_CHECKING
 
-from shrm.cli.console import stages
+from shrm.cli.console import interrupts_afterwards, stages
 from shrm.cli.options import add_output, add_tangents, number, parse_brdf, whole
 
 if TYPE_CHECKING:
@@ -99,6 +99,8 @@ def run(options: argparse.Namespace) -> None:
     start = time.perf_counter()
     with stages() as progress:
         progress("reading the mesh", 0, 1)
+        with interrupts_afterwards():  # trimesh goes on without whatever part of it was being imported
+            import trimesh  # noqa: F401
         mesh = Mesh.read(options.mesh, up=options.up).with_tangents(options.tangents)
         made = precompute(
             mesh,
