@@ -21,7 +21,7 @@ from typing import Any
 
 from limits import BUILD, ROOT, compiled, least_seconds, limits
 from object_lighting import SECONDS, WAYS, write_object
-from processes import found_by
+from processes import BOUND, found_by
 
 SOURCE = ROOT.parent / "shared" / "prototypes" / "mrt_runtime_prototype.cpp"
 TURNS = 3
@@ -76,7 +76,7 @@ def study(program: Path, folder: Path) -> dict[int, Times]:
         done = subprocess.run(
             [str(program)],
             cwd=folder,
-            env={**os.environ, **pages},
+            env={**os.environ, **BOUND, **pages},
             capture_output=True,
             text=True,
             check=True,
@@ -104,7 +104,7 @@ def compare() -> list[dict[str, Any]]:
             if program:
                 theirs.append(study(program, folder))
             if turn < TURNS:
-                own.append({k: found_by("object_lighting.py", name, threads=k) for k in THREADS})
+                own.append({k: found_by("object_lighting.py", name, threads=k, **BOUND) for k in THREADS})
 
     rows = []
     for way, known in WAYS.items():
