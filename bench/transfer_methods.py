@@ -1,6 +1,6 @@
 """All ways to light an object with transfer, in a process whose threads stay on processors of their own.
 
-python bench/transfer_methods.py MESH        # rows of [LK03] table 1 as JSON
+python bench/transfer_methods.py MESH`; prints the rows of [LK03] table 1 as JSON.
 """
 
 import json
