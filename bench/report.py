@@ -259,9 +259,11 @@ TABLES = {
 
 def written(results: Results, names: str) -> str:
     """Return the table that a marker names, under a line that says where it was measured."""
-    about = results["benchmarks"][0]["extra_info"]
-    where = f"{about['machine']}, {about['threads']} threads, float32 RGB, commit {about['commit']}:"
     asked = [name.strip() for name in names.split(",")]
+    # Groups may come from several runs; the limits of the machine are those of the whole file
+    rows = [row for row in results["benchmarks"] if row["group"] in asked] or results["benchmarks"]
+    about = rows[0]["extra_info"]
+    where = f"{about['machine']}, {about['threads']} threads, float32 RGB, commit {about['commit']}:"
     lines = TABLES[asked[0]](results) if asked[0] in TABLES else measured(results, asked)
     return "\n".join([where, "", *lines])
 

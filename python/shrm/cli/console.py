@@ -95,7 +95,7 @@ def stages() -> Iterator[Callable[[str, int, int], None]]:
 
 @contextmanager
 def interrupts_afterwards() -> Iterator[None]:
-    """Have Ctrl-C wait for the end of what is short: an import that would take it for a missing module."""
+    """Have Ctrl-C wait for the end of what is short, and would take it for a fault of its own."""
     here = threading.current_thread() is threading.main_thread()
     if not here or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield

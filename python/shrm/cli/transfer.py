@@ -100,8 +100,8 @@ def run(options: argparse.Namespace) -> None:
     with stages() as progress:
         progress("reading the mesh", 0, 1)
         with interrupts_afterwards():  # trimesh goes on without whatever part of it was being imported
-            import trimesh  # noqa: F401
-        mesh = Mesh.read(options.mesh, up=options.up).with_tangents(options.tangents)
+            mesh = Mesh.read(options.mesh, up=options.up)
+        mesh = mesh.with_tangents(options.tangents)
         made = precompute(
             mesh,
             materials if options.mask else materials[0],

@@ -1,0 +1,29 @@
+"""All ways to light an object with transfer, in a process whose threads stay on processors of their own.
+
+python bench/transfer_methods.py MESH`; prints the rows of [LK03] table 1 as JSON.
+"""
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+from shrm.render import Mesh
+from shrm.reproduce.lk_table_1 import PAPER
+from shrm.reproduce.transfer_methods import compare
+from shrm.reproduce.transfer_subject import DIRECTIONS, Subject
+
+
+def main(mesh: str) -> None:
+    """Compare, print."""
+    subject = Subject(Mesh.read(mesh).placed(radius=1.0), Path(mesh).stem, DIRECTIONS)
+    rows = [
+        {**asdict(one), "paper": theirs and theirs[not one.shadowed]}
+        for one in compare(subject)
+        for theirs in [PAPER.get(one.method)]
+    ]
+    print(json.dumps(rows))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
