@@ -94,7 +94,7 @@ def _notes(this: Subject, found: Sequence[Judged]) -> list[str]:
         note(this),
         f"Lighting only, as in [LK03]: {threads()} threads here, a Pentium 4 at 2.26 GHz and 50000 vertices "
         "there; its bird was shadowed and its head was not. Light of order 5, three colours; eye and light "
-        "move between frames. Median wall times.",
+        "move between frames. Median wall times, of the best of three bursts.",
         f"The material is {glossy}, for the matt row Lambert's, for the convolution {phong}.",
         f"SNR: radiance from {VERTICES} vertices towards viewers in {VIEWS} directions, over the error "
         "against the sum over the same rays with neither tents nor harmonics in between, for white light of "
