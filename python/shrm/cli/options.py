@@ -7,9 +7,12 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shrm.cli.console import interrupts_afterwards
+
 if TYPE_CHECKING:
     from shrm.brdf import BRDF
     from shrm.environment import Environment
+    from shrm.render import Mesh
 
 DAYLIGHT_AZIMUTH = 130.0  # the sun stands over the left shoulder of a camera that looks along +x
 
@@ -65,6 +68,15 @@ def read_environment(options: argparse.Namespace) -> Environment:
         return Environment.daylight(sun_azimuth=DAYLIGHT_AZIMUTH)
     border = getattr(options, "env_border", 0)
     return Environment.read(options.env, layout=options.env_layout, repair=options.repair, border=border)
+
+
+def read_mesh(options: argparse.Namespace) -> Mesh:
+    """Read --mesh, or MESH, with the tangents of `add_tangents`."""
+    from shrm.render import Mesh
+
+    with interrupts_afterwards():  # trimesh goes on without whatever part of it was being imported
+        mesh = Mesh.read(options.mesh, up=options.up)
+    return mesh.with_tangents(options.tangents)
 
 
 def add_orders(command: argparse.ArgumentParser, default: float = 0.05) -> None:

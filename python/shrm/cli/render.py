@@ -28,6 +28,7 @@ from shrm.cli.options import (
     of_transfer,
     parse_brdf,
     positive,
+    read_mesh,
     view,
     whole,
 )
@@ -184,12 +185,12 @@ class MaterialStage(Stage):
     """Objects in a row, their light and the camera, as the options have them."""
 
     def __init__(self, row: list[BRDF | ReflectionMap | Prefiltered], options: argparse.Namespace) -> None:
-        from shrm.render import Mesh, Sphere
+        from shrm.render import Sphere
 
         super().__init__(options, len(row))
         mesh = None
         if options.mesh is not None:
-            mesh = Mesh.read(options.mesh, up=options.up).with_tangents(options.tangents)
+            mesh = read_mesh(options)
         self.shapes = [
             Sphere(center) if mesh is None else mesh.placed(center, turn=options.turn)
             for center in self.centers

@@ -12,8 +12,8 @@ import os
 import time
 from typing import TYPE_CHECKING
 
-from shrm.cli.console import interrupts_afterwards, stages
-from shrm.cli.options import add_output, add_tangents, number, parse_brdf, whole
+from shrm.cli.console import stages
+from shrm.cli.options import add_output, add_tangents, number, parse_brdf, read_mesh, whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -82,7 +82,6 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read the mesh, compute, save."""
-    from shrm.render import Mesh
     from shrm.transfer import precompute
     from shrm.transfer.precompute import remove_work
 
@@ -99,9 +98,7 @@ def run(options: argparse.Namespace) -> None:
     start = time.perf_counter()
     with stages() as progress:
         progress("reading the mesh", 0, 1)
-        with interrupts_afterwards():  # trimesh goes on without whatever part of it was being imported
-            mesh = Mesh.read(options.mesh, up=options.up)
-        mesh = mesh.with_tangents(options.tangents)
+        mesh = read_mesh(options)
         made = precompute(
             mesh,
             materials if options.mask else materials[0],
