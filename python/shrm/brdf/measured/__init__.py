@@ -1,0 +1,13 @@
+"""Measured materials, read from their own files: MERL, RGL/EPFL, Cornell, CUReT, ALTA.
+
+`load` recognises a file by its content and returns a material like any other.
+
+    material      what all of them are: values, where there are any, and how the rest is filled; start here
+    load          which format a file has
+
+References for the formats stand in the modules that read them.
+"""
+
+from shrm.brdf.measured.material import Extrapolate, Measured
+
+__all__ = ["Extrapolate", "Measured"]

@@ -1,0 +1,73 @@
+"""A material read from a file of measurements: its values, where it has any, and how the rest is filled.
+
+    rho_hat = function(wi, wo)    where N.L > 0 and N.V >= 0, the cosine in it
+
+Measurements do not cover every direction: goniometers stop before grazing angles, tables mark what they
+lack. A reader fills those directions as it is told (`Extrapolate`) and `covers` says which they are. Nothing
+else is changed: what is measured may be less than reciprocal, or reflect more than it receives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.brdf.half_vector import above_horizon
+from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe
+
+Extrapolate = Literal["nearest", "zero"]
+"""How directions without data are filled: with the value of the nearest that have some (in the coordinates of
+the file), the default, or with nothing, black."""
+
+BoolArray = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Measured(BRDF):
+    """A measured isotropic material.
+
+    Attributes
+    ----------
+    label : str
+        What it is called, such as the stem of its file.
+    source : str
+        The format it was read from, such as "MERL".
+    function : callable
+        wi, wo, (n, 3) float64 unit vectors, to rho_hat (n, 3) float64, the cosine included; asked for
+        N.L > 0 and N.V >= 0 only.
+    covers : callable
+        wi, wo, (n, 3) float64, to (n,) bool: where there is data; elsewhere `function` fills.
+    extrapolate : {"nearest", "zero"}
+        How it fills.
+    notes : tuple of str
+        What else there is to know, a line each: a description, the illuminant, values that were negative.
+    """
+
+    label: str
+    source: str
+    function: Callable[[FloatArray, FloatArray], FloatArray]
+    covers: Callable[[FloatArray, FloatArray], BoolArray]
+    extrapolate: Extrapolate = "nearest"
+    notes: tuple[str, ...] = ()
+
+    @property
+    def lobes(self) -> tuple[IsotropicLobe]:
+        """One isotropic lobe about the lobe centre."""
+        return (IsotropicLobe("lobe", self._transfer),)
+
+    @property
+    def name(self) -> str:
+        """Such as "krylon_blue (Cornell)"; no text for `parse`, which needs the file."""
+        return f"{self.label} ({self.source})"
+
+    def _transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        above = above_horizon(wi, wo)
+        if above.all():  # as at the nodes of an analysis: no copies
+            return self.function(wi, wo)
+        values = np.zeros((len(wi), 3))
+        values[above] = self.function(wi[above], wo[above])
+        return values
