@@ -85,6 +85,7 @@ class Prefilter:
         window: Window | None = None,
         clamp: bool = False,
         half: bool = False,
+        residual: Literal["auto"] | None = None,
     ) -> None:
         self.map = prefilter(
             env,
@@ -100,6 +101,7 @@ class Prefilter:
             window=window,
             clamp=clamp,
             half=half,
+            residual=residual,
         )
         self._env = env
         self._center = center
