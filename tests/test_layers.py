@@ -36,8 +36,10 @@ PYTHON_ORDER = [
     ["reference"],
     ["lobe_descents"],
     ["hierarchical"],
+    ["lobe_frames"],
     ["residual"],
     ["reflection_map", "reflection_file", "residual_file"],  # a map's save and load are the file's
+    ["map_interpolation"],
     ["icosahedral"],
     ["explicit"],
     ["cost"],
@@ -118,6 +120,7 @@ PYTHON_NEUTRAL = {
     "layouts",
     "environment",
     "brdf",
+    "lobe_split",
     "lobe_quadrature",
     "central_direction",
 }

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import _core, lobe_tables
-from shrm.brdf.lobe import Center, refuse_anisotropic
+from shrm.brdf.lobe import Center, IsotropicLobe, refuse_anisotropic
 from shrm.central_direction import gamma_at, gamma_table, lobe_centre
 from shrm.lobe_integrals import (
     above_horizon,
@@ -31,6 +31,8 @@ from shrm.lobe_integrals import (
     kind_of,
     normals_at,
 )
+from shrm.lobe_split import SplitFunction
+from shrm.lobe_tables import Transfer
 from shrm.radial_table import NOTHING, Profile, integral_within, radial_table
 from shrm.validation import one_of
 
@@ -199,8 +201,13 @@ class IsotropicDescent:
     width : float
         Angle that holds half of the square, for the narrowest view: where light at the horizon has most of
         the integral, the highlight is narrower.
-    envelope, ratio, caps, integral
+    envelope, ratio
+        Of its `lobe_tables.IsotropicTable`, or of that of the lobe it is part of.
+    caps, integral
         Of its `lobe_tables.IsotropicTable`.
+    above, below : float
+        Heights between which the lobe is, of the tabulated one (`shrm.lobe_split`): its core at the first,
+        then the smooth part of that at the second. Whole lobes are between 0 and infinity.
     """
 
     depends_on_view: ClassVar[bool] = True
@@ -211,15 +218,32 @@ class IsotropicDescent:
     ratio: npt.NDArray[np.float32]
     caps: Array
     integral: float
+    above: float = 0.0
+    below: float = float("inf")
 
     @classmethod
-    def of(cls, center: str, transfer: Callable[[Array, Array], Array]) -> IsotropicDescent:
+    def of(cls, center: str, transfer: Transfer) -> IsotropicDescent:
         """Tabulate a lobe."""
         one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
         table = lobe_tables.isotropic_table(transfer, LEFT_OUT)
         gamma = gamma_table(cast(Center, center), transfer)
         width = lobe_centre(transfer)[1]
         return cls(center, gamma, width, table.envelope, table.ratio, table.caps, table.integral)
+
+    @classmethod
+    def of_core(cls, lobe: IsotropicLobe) -> IsotropicDescent:
+        """Tabulate the core of a lobe, or the smooth part of its core: the table is the lobe's.
+
+        Where a split lobe goes over from one part to the other, its ratio to the mean at a half angle
+        changes with the view within the highlight, where tables of the ratio have few nodes.
+        """
+        core, below = cast(SplitFunction, lobe.function), float("inf")
+        if core.part == "smooth":
+            core, below = cast(SplitFunction, core.whole), core.height
+        whole = lobe_tables.isotropic_table(core.whole, LEFT_OUT)
+        caps, integral = lobe_tables.caps_and_integral(lobe.transfer, LEFT_OUT)
+        gamma, width = gamma_table(lobe.center, lobe.function), lobe_centre(lobe.function)[1]
+        return cls(lobe.center, gamma, width, whole.envelope, whole.ratio, caps, integral, core.height, below)
 
     def radiance(
         self, pyramid: _core.Pyramid, n: Array, v: Array, t: Array, threshold: float
@@ -234,6 +258,8 @@ class IsotropicDescent:
             **_depth(threshold, self.integral, FINEST_ISOTROPIC * self.width),
             normals=n,
             views=v,
+            above=self.above,
+            below=self.below,
         )
 
     def normals(self, centers: Array, v: Array) -> Array:

@@ -14,24 +14,36 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from shrm.brdf.lobe import FloatArray, IsotropicLobe, RadialLobe
 
-SplitLobe = TypeVar("SplitLobe", IsotropicLobe, RadialLobe)
+SplitLobe = TypeVar("SplitLobe", bound=IsotropicLobe | RadialLobe)
 
 
 @dataclass(frozen=True)
-class _Split:
-    """One of the two parts of a lobe's function or profile: equal where what it is made of is equal."""
+class SplitFunction:
+    """One of the two parts of a lobe's function or profile.
+
+    Equal where what it is made of is: what is kept for one is found again.
+
+    Attributes
+    ----------
+    whole : callable
+        The function or profile that is split.
+    height : float
+        T, per steradian.
+    part : {"smooth", "core"}
+    """
 
     whole: Callable[..., FloatArray]
     height: float
-    part: Literal["smooth", "core"]
+    part: str
 
     def __call__(self, *angles: FloatArray) -> FloatArray:
+        """Evaluate the part where `whole` is evaluated."""
         rho = self.whole(*angles)
         mean = np.maximum(rho if rho.ndim == 1 else rho.mean(axis=1, keepdims=True), 0.0)
         share = self.height / (self.height + mean)
@@ -52,14 +64,8 @@ def split(lobe: SplitLobe, height: float) -> tuple[SplitLobe, SplitLobe]:
     smooth, core : lobes of the same kind
         Their sum is the lobe. About the lobe centre each is about its own.
     """
+    whole = lobe.profile if isinstance(lobe, RadialLobe) else lobe.function
+    smooth, core = (SplitFunction(whole, height, part) for part in ("smooth", "core"))
     if isinstance(lobe, RadialLobe):
-        profile = lobe.profile
-        return (
-            replace(lobe, profile=_Split(profile, height, "smooth")),
-            replace(lobe, profile=_Split(profile, height, "core")),
-        )
-    function = lobe.function
-    return (
-        replace(lobe, function=_Split(function, height, "smooth")),
-        replace(lobe, function=_Split(function, height, "core")),
-    )
+        return replace(lobe, profile=smooth), replace(lobe, profile=core)
+    return replace(lobe, function=smooth), replace(lobe, function=core)

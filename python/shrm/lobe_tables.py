@@ -169,7 +169,7 @@ def half_angle_table(transfer: Transfer, tolerance: float) -> HalfAngleTable | N
 
     for cos_v in np.cos(view_nodes()[::8]):
         wi, _ = light_quadrature(cos_v)
-        view = _view(cos_v, len(wi))
+        view = view_at(cos_v, len(wi))
         value = np.asarray(transfer(wi, view))
         if value.ndim > 1:
             return None
@@ -219,8 +219,8 @@ def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
     light = _light_nodes()
     planes, caps = [], []
     for cos_v in np.cos(view_nodes()):
-        rho = channels_last(transfer(light, _view(cos_v, len(light))))
-        plane = rho / _envelope_at(envelope, light, _view(cos_v, len(light)))[:, None]
+        rho = channels_last(transfer(light, view_at(cos_v, len(light))))
+        plane = rho / _envelope_at(envelope, light, view_at(cos_v, len(light)))[:, None]
         planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))
         caps.append(cap_at(transfer, cos_v, tolerance))
     ratio = _padded(_padded(np.array(planes), axis=2), axis=3)
@@ -233,6 +233,12 @@ def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
         error=0.0,
     )
     return replace(table, error=_isotropic_error(table, transfer))
+
+
+def caps_and_integral(transfer: Transfer, tolerance: float) -> tuple[Array, float]:
+    """Return those attributes of a lobe's table alone."""
+    caps = np.array([cap_at(transfer, cos_v, tolerance) for cos_v in np.cos(view_nodes())])
+    return caps, _mean_integral(transfer)
 
 
 def view_place(cos_v: Array) -> Array:
@@ -259,7 +265,7 @@ def light_quadrature(cos_v: float, n_theta: int = 96, n_phi: int = 40) -> tuple[
     phi, w_phi = 0.5 * (1 + y) * np.pi, w_y * np.pi / 2
     a, b = np.meshgrid(theta, phi, indexing="ij")
     h = np.stack([np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)], axis=-1).reshape(-1, 3)
-    v = _view(cos_v, 1)[0]
+    v = view_at(cos_v, 1)[0]
     vh = h @ v
     wi = 2 * vh[:, None] * h - v
     weight = np.outer(w_theta, w_phi).ravel() * 8 * vh
@@ -273,7 +279,7 @@ def _gauss(n: int) -> tuple[Array, Array]:
     return nodes, weights
 
 
-def _view(cos_v: float, n: int) -> Array:
+def view_at(cos_v: float, n: int) -> Array:
     """A view in the x-z plane, n times; just above the horizon if it lies on it."""
     cos_v = max(cos_v, HORIZON)
     return np.tile([np.sqrt(1 - cos_v**2), 0.0, cos_v], (n, 1))
@@ -324,7 +330,7 @@ def _mean_angle(wi: Array, energy: Array) -> float:
 def cap_at(transfer: Transfer, cos_v: float, left_out: float) -> tuple[float, float]:
     """Return a lobe's centre for a view, and the angle about it that holds all but a part of its integral."""
     wi, weight = light_quadrature(cos_v)
-    energy = weight * np.abs(channels_last(transfer(wi, _view(cos_v, len(wi))))).sum(axis=1)
+    energy = weight * np.abs(channels_last(transfer(wi, view_at(cos_v, len(wi))))).sum(axis=1)
     centre = _mean_angle(wi, energy)
     if left_out == 0 or not energy.sum() > 0:
         return 0.0, float(np.pi)
@@ -339,7 +345,7 @@ def _mean_integral(transfer: Transfer) -> float:
     of_views = []
     for c2 in (np.arange(8) + 0.5) / 8:
         wi, weight = light_quadrature(np.sqrt(c2))
-        of_views.append(weight @ np.abs(channels_last(transfer(wi, _view(np.sqrt(c2), len(wi))))))
+        of_views.append(weight @ np.abs(channels_last(transfer(wi, view_at(np.sqrt(c2), len(wi))))))
     return float(np.mean(of_views, axis=0).max())
 
 
@@ -348,7 +354,7 @@ def _isotropic_error(table: IsotropicTable, transfer: Transfer) -> float:
     wrong = total = 0.0
     for c2 in (np.arange(24) + 0.47) / 24:
         wi, weight = light_quadrature(np.sqrt(c2), 61, 31)
-        exact = channels_last(transfer(wi, _view(np.sqrt(c2), len(wi))))
+        exact = channels_last(transfer(wi, view_at(np.sqrt(c2), len(wi))))
         wrong += float(weight @ np.sum((_evaluate(table, wi, np.sqrt(c2)) - exact) ** 2, axis=1))
         total += float(weight @ np.sum(exact**2, axis=1))
     return float(np.sqrt(wrong / total)) if total > 0 else 0.0
@@ -366,5 +372,5 @@ def _evaluate(table: IsotropicTable, wi: Array, cos_v: float) -> Array:
     tl, ta = xl - kl, xa - ka
     low = plane[:, kl, ka] * (1 - ta) + plane[:, kl, ka + 1] * ta
     high = plane[:, kl + 1, ka] * (1 - ta) + plane[:, kl + 1, ka + 1] * ta
-    e = _envelope_at(table.envelope[:-1].astype(np.float64), wi, _view(cos_v, len(wi)))
+    e = _envelope_at(table.envelope[:-1].astype(np.float64), wi, view_at(cos_v, len(wi)))
     return np.asarray((e * (low * (1 - tl) + high * tl)).T)

@@ -8,7 +8,6 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 
-
 def environment_lookup(pixels: npt.NDArray[np.float32], directions: FloatArray) -> npt.NDArray[np.float32]:
     """Radiance of a lat-long picture in given directions, bilinear, seamless across edge and poles.
 

@@ -22,8 +22,8 @@ import numpy.typing as npt
 from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center, IsotropicLobe, RadialLobe
 from shrm.brdf_analysis import LobeAnalysis
-from shrm.central_direction import gamma_at
 from shrm.environment import Environment
+from shrm.map_interpolation import interpolation_error, map_spectrum, measured_interpolation_error
 from shrm.orders import (
     F_MAX,
     P_MAX,
@@ -33,14 +33,13 @@ from shrm.orders import (
     analysed,
     analysis_degree,
     choose,
-    degree_power,
     error_of,
     require_orders,
     require_tolerance,
 )
 from shrm.reference import DEFAULT_SIZE
-from shrm.reflection_map import Part, ReflectionMap, map_names
-from shrm.residual import Residual, residual_for
+from shrm.reflection_map import Part, ReflectionMap
+from shrm.residual import Residual, map_names, residual_for
 from shrm.rings import Layout
 from shrm.split_orders import CORE_SHARE, Split, split_for
 from shrm.validation import one_of, whole_number
@@ -120,9 +119,45 @@ def prefilter(
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type or out of its range, a residual does not go with others, the maps would take more than 4 GiB, or, as
-        half floats, hold values beyond 65504.
+        If an argument is of another type or out of its range, a residual does not go with others, the maps
+        would take more than 4 GiB, or, as half floats, hold values beyond 65504.
     """
+    return prefilter_split(
+        env,
+        brdf,
+        tolerance=tolerance,
+        orders=orders,
+        criterion=criterion,
+        size=size,
+        layout=layout,
+        center=center,
+        F_max=F_max,
+        P_max=P_max,
+        window=window,
+        clamp=clamp,
+        half=half,
+        residual=residual,
+    )[0]
+
+
+def prefilter_split(
+    env: Environment,
+    brdf: BRDF,
+    *,
+    tolerance: float,
+    orders: tuple[int, int] | None,
+    criterion: Criterion,
+    size: int | None,
+    layout: Layout,
+    center: Center | None,
+    F_max: int,
+    P_max: int,
+    window: Window | None,
+    clamp: bool,
+    half: bool,
+    residual: Literal["auto"] | None,
+) -> tuple[ReflectionMap, Split | None, float]:
+    """Return what `prefilter` does, what was split off, and the relative error of the cores."""
     if not isinstance(env, Environment):
         raise TypeError(f"env must be an Environment, got {type(env).__name__}")
     if not isinstance(brdf, BRDF):
@@ -205,7 +240,7 @@ def prefilter(
             warnings.warn(
                 f"{whole.name}: tolerance {tolerance:g} is not met with a residual: the error is {error:.3g}",
                 ToleranceWarning,
-                stacklevel=2,
+                stacklevel=3,
             )
 
     def predict() -> float:
@@ -214,7 +249,7 @@ def prefilter(
 
     if half:
         sampled = tuple(part.as_half() for part in sampled)
-    return ReflectionMap(sampled, whole.name, criterion, window, clamp, predict, of_cores)
+    return ReflectionMap(sampled, whole.name, criterion, window, clamp, predict, of_cores), split, off
 
 
 def _residual(
@@ -283,78 +318,6 @@ def degree_window(name: Window | None, F: int) -> FloatArray:
     if name == "lanczos":
         return np.asarray(np.sinc(x))
     return np.ones(F + 1)
-
-
-def map_spectrum(part: Part) -> FloatArray:
-    """Energy of each degree of a part's maps, all maps and channels together: (J+1,)."""
-    return np.asarray(degree_power(part.coefficients.reshape(len(part.coefficients), -1)).sum(axis=1))
-
-
-def interpolation_error(spectra: list[FloatArray], size: int, layout: Layout) -> float:
-    """Relative RMS error of four-point Lagrange interpolation between the texels of a map.
-
-    A degree j turns by j h radians from one texel to the next, at most; its error is that of interpolating
-    e^{i j h x} in one dimension, the mean over x.
-
-    Parameters
-    ----------
-    spectra : list of (J+1,) float64
-        Energy of each degree of the maps of each part.
-    size : int
-        Rows of a lat-long map, or of a cube's face.
-    layout : {"latlong", "cube"}
-        The grid.
-    """
-    spacing = np.pi / size if layout == "latlong" else 2 / size  # the widest texels, at a face's centre
-    t = (np.arange(16) + 0.5) / 16
-    weights = np.array(
-        [
-            -t * (t - 1) * (t - 2) / 6,
-            (t + 1) * (t - 1) * (t - 2) / 2,
-            -(t + 1) * t * (t - 2) / 2,
-            (t + 1) * t * (t - 1) / 6,
-        ]
-    )
-    J = max(len(s) for s in spectra)
-    shifts = np.arange(-1, 3)[:, None] - t
-    turn = np.exp(1j * np.arange(J)[:, None, None] * spacing * shifts)  # (degree, sample, t)
-    squared = np.mean(np.abs((weights * turn).sum(axis=1) - 1) ** 2, axis=1)
-    lost = sum(float((s * squared[: len(s)]).sum()) for s in spectra)
-    whole = sum(float(s.sum()) for s in spectra)
-    return float(np.sqrt(lost / whole)) if whole > 0 else 0.0
-
-
-def measured_interpolation_error(parts: Sequence[Part], frames: int = 128) -> float:
-    """Relative RMS error of cubic look-ups against the exact series, over frames of every orientation.
-
-    The spectrum of the maps tells it precisely where the fit over theta_o is well conditioned; where it
-    is not, maps hold large values for views that do not occur, and only the radiance itself tells.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-        The sampled maps of all lobes.
-    frames : int
-        Central directions on a Fibonacci spiral, each with one view.
-    """
-    i = np.arange(frames) + 0.5
-    golden = (np.sqrt(5) - 1) / 2
-    z, phi, spin = 1 - 2 * i / frames, 2 * np.pi * golden * i, 2 * np.pi * golden**2 * i
-    s = np.sqrt(1 - z**2)
-    C = np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=1)
-    x = np.stack([z * np.cos(phi), z * np.sin(phi), -s], axis=1)  # d C / d theta
-    across = np.cos(spin)[:, None] * x + np.sin(spin)[:, None] * np.cross(C, x)
-    share = (golden * 7 * i) % 1  # of the views: cos^2(theta_v), or (1 + cos theta_o) / 2 about the tangent
-    lost = whole = 0.0
-    for part in parts:
-        theta_v = np.arccos(np.sqrt(share))
-        about_tangent = part.center == "tangent"
-        theta_o = np.arccos(2 * share - 1) if about_tangent else theta_v + gamma_at(part.gamma, theta_v)
-        V = np.cos(theta_o)[:, None] * C + np.sin(theta_o)[:, None] * across
-        exact, looked_up = part.series(C, V), part.looked_up(C, V)
-        lost += float(((looked_up - exact) ** 2).sum())
-        whole += float((exact**2).sum())
-    return float(np.sqrt(lost / whole)) if whole > 0 else 0.0
 
 
 def _unsampled(lobe: LobeAnalysis, light: FloatArray, F: int, P: int, window: Window | None) -> Part:

@@ -17,7 +17,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -28,7 +28,7 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.brdf.lobe import Center
-from shrm.residual import Residual
+from shrm.residual import Residual, map_names
 from shrm.rings import BORDER, Float16Array, Float32Array, Layout, halved, synthesised
 from shrm.sh import basis_size, degree_of
 from shrm.validation import one_of, require_array, unit_vectors
@@ -420,19 +420,12 @@ class ReflectionMap:
         return f"<ReflectionMap {self.brdf}: F={self.F} P={self.P} {self.layout} {self.parts[0].size}>"
 
 
-def map_names(centers: Sequence[Center]) -> list[str]:
-    """Names of the maps of lobes: their centres, but each lobe centre is one of its own."""
-    names: list[str] = []
-    for k, center in enumerate(centers):
-        before = centers[:k].count("lobe")
-        names.append(f"lobe {before + 1}" if center == "lobe" and before else center)
-    return names
-
-
 def require_no_residual(rm: ReflectionMap, what: str) -> None:
     """Raise ValueError if a map has a residual, which `what` would lose."""
     if rm.residual is not None:
-        raise ValueError(f"{rm.brdf} has a residual, which {what} cannot hold: prefilter without residual='auto'")
+        raise ValueError(
+            f"{rm.brdf} has a residual, which {what} cannot hold: prefilter without residual='auto'"
+        )
 
 
 def zonal_harmonics(P: int, cosine: FloatArray) -> FloatArray:

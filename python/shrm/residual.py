@@ -23,10 +23,11 @@ from shrm.brdf import directional_albedo
 from shrm.brdf.lobe import Center, IsotropicLobe, Material, RadialLobe
 from shrm.central_direction import gamma_at, gamma_table
 from shrm.hierarchical import map_texels
-from shrm.lobe_descents import IsotropicDescent, RadialDescent, lobe_descent
-from shrm.lobe_integrals import above_horizon, across, half_width, local_frames, normals_at
+from shrm.lobe_descents import IsotropicDescent, RadialDescent
+from shrm.lobe_frames import Frames
+from shrm.lobe_integrals import above_horizon, across, half_width, normals_at
 from shrm.lobe_split import split
-from shrm.lobe_tables import light_quadrature, view_nodes, view_place
+from shrm.lobe_tables import light_quadrature, view_at, view_nodes, view_place
 from shrm.lookup import environment_lookup
 from shrm.validation import unit_vectors
 
@@ -36,7 +37,7 @@ CoreLobe = IsotropicLobe | RadialLobe
 
 LARGEST_CUT = 2048
 """Columns of a picture whose texels are cut for narrow cores."""
-TEXELS_TO_A_WIDTH = 1.5
+TEXELS_TO_A_WIDTH = 1.0
 """How many texels the angle that holds half of a core must hold: they count as points."""
 THRESHOLDS = (0.05, 0.0125, 0.003)
 """Of the descent, tried in turn. The first already has nodes small against the lobe."""
@@ -68,7 +69,7 @@ class LookUp:
         rows = []
         for cos_v in np.cos(view_nodes()):
             wi, weight = light_quadrature(cos_v, 192)
-            rho = lobe.transfer(wi, _view(cos_v, len(wi)))
+            rho = lobe.transfer(wi, view_at(cos_v, len(wi)))
             rows.append(weight @ rho.reshape(len(wi), -1))
         return cls(lobe.center, gamma_table(lobe.center, lobe.transfer), np.array(rows))
 
@@ -268,21 +269,26 @@ def residual_for(
     error = 0.0
     for name, lobe, center, gamma in cores:
         resolved, narrow = _at_width(lobe, TEXELS_TO_A_WIDTH * texel / cut)
-        descent = lobe_descent(resolved)
-        assert isinstance(descent, IsotropicDescent | RadialDescent)
+        descent = _descent(resolved)
         look_up = None if narrow is None else LookUp.of(narrow)
-        frames = _Frames.of(pixels, lobe)
+        frames = Frames.of(pixels, lobe)
         tried: list[tuple[float, Core]] = []
         for threshold in THRESHOLDS:
             core = Core(center, gamma, descent, threshold, look_up)
             off = frames.error(result._of_core(core, frames.normals, frames.views))
             tried.append((off, core))
-            if off <= allowed / len(cores) or off > 0.8 * tried[0][0] and len(tried) > 1:
+            if off <= allowed / len(cores) or (len(tried) > 1 and off > 0.8 * tried[-2][0]):
                 break
         off, core = min(tried, key=lambda one: one[0])
         error += off
         result = result.with_core(name, core)
     return result, error
+
+
+def _descent(lobe: CoreLobe) -> IsotropicDescent | RadialDescent:
+    if isinstance(lobe, IsotropicLobe):
+        return IsotropicDescent.of_core(lobe)
+    return RadialDescent.of(lobe.center, lobe.profile)
 
 
 def _at_width(lobe: CoreLobe, width: float) -> tuple[CoreLobe, CoreLobe | None]:
@@ -299,11 +305,6 @@ def _at_width(lobe: CoreLobe, width: float) -> tuple[CoreLobe, CoreLobe | None]:
     return split(lobe, float(np.exp(low)))
 
 
-def _view(cos_v: float, n: int) -> Array:
-    """A view in the x-z plane, n times."""
-    return np.tile([np.sqrt(1 - cos_v**2), 0.0, cos_v], (n, 1))
-
-
 def _neighbours(directions: Array) -> npt.NDArray[np.intp]:
     """An order in which neighbours in direction are neighbours: a descent is shared by some."""
     side = int(np.clip(np.sqrt(len(directions) / _core.HIERARCHICAL_BLOCK), 1, 512))
@@ -312,110 +313,10 @@ def _neighbours(directions: Array) -> npt.NDArray[np.intp]:
     return np.lexsort((np.where(band % 2 == 0, turn, -turn), band))
 
 
-# ---- The error
-
-
-@dataclass(frozen=True, eq=False)
-class _Frames:
-    """Frames drawn at random, with the radiance of a lobe in each: quadrature over the lobe.
-
-    Half of them see the light in proportion to solid angle, half to the square of its radiance.
-
-    Attributes
-    ----------
-    normals, views : (n, 3) float64
-    exact : (n, 3) float64
-    weight : (n,) float64
-        By which a mean over them is that over all.
-    """
-
-    normals: Array
-    views: Array
-    exact: Array
-    weight: Array
-
-    @classmethod
-    def of(cls, pixels: Pixels, lobe: CoreLobe) -> _Frames:
-        random = np.random.default_rng(2002)
-        n = VIEWS * FRAMES_OF_A_VIEW
-        C, weight = _drawn(pixels, n, random)
-        theta_v = np.arccos(np.sqrt((np.arange(VIEWS) + 0.5) / VIEWS))
-        transfer = lobe.transfer
-        gamma = gamma_table(lobe.center, transfer)
-        x = np.einsum("nxk,nk->nx", local_frames(C, C), _around(2 * np.pi * random.random(n)))
-        at = random.permutation(n) % VIEWS
-        turn, tilt = gamma_at(gamma, theta_v)[at, None], theta_v[at, None]
-        N = np.cos(turn) * C + np.sin(turn) * x
-        V = np.cos(turn + tilt) * C + np.sin(turn + tilt) * x
-        exact = np.empty((n, 3))
-        for k in range(VIEWS):
-            frames = local_frames(N[at == k], V[at == k])
-            wi, area = _nodes(lobe, float(theta_v[k]))
-            rho = transfer(wi, _view(float(np.cos(theta_v[k])), len(wi))).reshape(len(wi), -1) * area[:, None]
-            there = np.abs(rho).sum(axis=1) > 0
-            light = _texels_at(pixels, np.einsum("fxk,ik->fix", frames, wi[there]))
-            exact[at == k] = np.einsum("fic,ic->fc", light, np.broadcast_to(rho[there], (there.sum(), 3)))
-        return cls(N, V, exact, weight)
-
-    def error(self, radiance: Pixels) -> float:
-        """Mean square error of radiance (n, 3), channels summed."""
-        return float((self.weight * ((radiance - self.exact) ** 2).sum(axis=1)).mean())
-
-
-VIEWS, FRAMES_OF_A_VIEW = 64, 6
-"""Of the frames that an error is measured at."""
-
-
-def _nodes(lobe: CoreLobe, theta_v: float) -> tuple[Array, Array]:
-    """Lights and their solid angles, dense about the centre of a lobe, in the frame of the normal."""
-    if isinstance(lobe, IsotropicLobe):
-        wi, weight = light_quadrature(float(np.cos(theta_v)), 96, 32)
-        mirrored = wi * [1.0, -1.0, 1.0]
-        return np.concatenate([wi, mirrored]), np.concatenate([weight, weight]) / 2
-    x, w = np.polynomial.legendre.leggauss(96)
-    t = 0.5 * (1 + x)
-    theta = np.pi * t**2
-    phi = 2 * np.pi * (np.arange(64) + 0.5) / 64
-    about = np.stack(
-        [np.outer(np.sin(theta), np.cos(phi)), np.outer(np.sin(theta), np.sin(phi)), np.outer(np.cos(theta), np.ones(64))],
-        axis=-1,
-    ).reshape(-1, 3)
-    tilt = theta_v if lobe.center == "reflection" else 0.0
-    c, s = np.cos(tilt), np.sin(tilt)
-    turned = about @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])  # z to (-sin, 0, cos)
-    return turned, np.repeat(w * np.pi * t * np.sin(theta) * 2 * np.pi / 64, 64)
-
-
-def _drawn(pixels: Pixels, n: int, random: np.random.Generator) -> tuple[Array, Array]:
-    """Directions (n, 3), and what makes a mean over them one over the sphere, (n,)."""
-    H, W, _ = pixels.shape
-    rows, columns = np.unique(np.linspace(0, H, min(H, 32) + 1).astype(int)), np.unique(
-        np.linspace(0, W, min(W, 64) + 1).astype(int)
-    )
-    edges = np.cos(np.pi * np.arange(H + 1) / H)
-    square = (pixels.astype(np.float64) ** 2).sum(axis=2) * (edges[:-1] - edges[1:])[:, None]
-    energy = np.add.reduceat(np.add.reduceat(square, rows[:-1], axis=0), columns[:-1], axis=1)
-    top, bottom = edges[rows[:-1]], edges[rows[1:]]
-    area = np.outer(top - bottom, np.diff(columns)) / (2 * W)
-    share = energy / energy.sum() if energy.sum() > 0 else area
-    chance = 0.5 * area + 0.5 * share
-    drawn = random.choice(chance.size, n, p=chance.ravel() / chance.sum())
-    i, j = np.divmod(drawn, len(columns) - 1)
-    z = bottom[i] + (top - bottom)[i] * random.random(n)
-    column = columns[j] + np.diff(columns)[j] * random.random(n)
-    phi = np.pi - 2 * np.pi * column / W
-    s = np.sqrt(np.maximum(1 - z**2, 0))
-    directions = np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=1)
-    return directions, (area / chance).ravel()[drawn]
-
-
-def _around(angle: Array) -> Array:
-    return np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
-
-
-def _texels_at(pixels: Pixels, directions: Array) -> Pixels:
-    """Radiance (..., 3) of the texels that directions lie in."""
-    H, W, _ = pixels.shape
-    row = np.minimum((np.arccos(np.clip(directions[..., 2], -1, 1)) * (H / np.pi)).astype(int), H - 1)
-    phi = np.arctan2(directions[..., 1], directions[..., 0])
-    return pixels[row, ((np.pi - phi) * (W / (2 * np.pi))).astype(int) % W]
+def map_names(centers: Sequence[Center]) -> list[str]:
+    """Names of the maps of lobes: their centres, but each lobe centre is one of its own."""
+    names: list[str] = []
+    for k, center in enumerate(centers):
+        before = centers[:k].count("lobe")
+        names.append(f"lobe {before + 1}" if center == "lobe" and before else center)
+    return names

@@ -10,9 +10,9 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from shrm.lookup import texture_lookup
 from shrm.render.camera import FloatArray, Vector
 from shrm.render.line_field import orthogonalised, unit
-from shrm.lookup import texture_lookup
 from shrm.render.placement import Placement, about_vertical
 from shrm.render.shapes import Hits
 from shrm.render.tangents import Tangents, principal_tangents, uv_tangents
