@@ -60,7 +60,7 @@ py::tuple isotropic(const Pyramid& pyramid, const Array<float>& envelope, const 
                     const Array<double>& normals, const Array<double>& views, double above, double below) {
     if (!(above >= 0 && below > 0)) throw py::value_error("above must be at least 0, below above 0");
     const auto ranges = caps_of(caps, ratio.shape(0));
-    const auto table = isotropic_of(envelope, ratio, ranges);
+    const auto table = isotropic_of(envelope, ratio, ranges, true);
     const auto n = directions(normals, "normals"), v = directions(views, "views");
     require_shape(views, "views", {normals.shape(0), 3});
     return descended(normals.shape(0), [&](std::span<float> out) {

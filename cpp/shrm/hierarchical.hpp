@@ -54,7 +54,7 @@ Effort integrate_zonal(const Pyramid& pyramid, const angular::ZonalProfiles& pro
                        std::span<float> out);
 
 // The same for each normal and view, the view above the normal's horizon, of what lies between heights. It
-// could hide within the table's caps.
+// could hide within the table's caps. The table may have an envelope for each channel, one after the other.
 Effort integrate_isotropic(const Pyramid& pyramid, const angular::IsotropicTable& table,
                            const Heights& heights, const Descent& descent,
                            std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views,

@@ -201,8 +201,9 @@ class IsotropicDescent:
     width : float
         Angle that holds half of the square, for the narrowest view: where light at the horizon has most of
         the integral, the highlight is narrower.
-    envelope, ratio
-        Of its `lobe_tables.IsotropicTable`, or of that of the lobe it is part of.
+    envelope : (1 or channels, intervals + 2) float32
+    ratio
+        Of its `lobe_tables.IsotropicTable`, or of the lobe it is part of, see `lobe_tables.channel_tables`.
     caps, integral
         Of its `lobe_tables.IsotropicTable`.
     above, below : float
@@ -226,9 +227,10 @@ class IsotropicDescent:
         """Tabulate a lobe."""
         one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
         table = lobe_tables.isotropic_table(transfer, LEFT_OUT)
+        envelope = table.envelope[None]
         gamma = gamma_table(cast(Center, center), transfer)
         width = lobe_centre(transfer)[1]
-        return cls(center, gamma, width, table.envelope, table.ratio, table.caps, table.integral)
+        return cls(center, gamma, width, envelope, table.ratio, table.caps, table.integral)
 
     @classmethod
     def of_core(cls, lobe: IsotropicLobe) -> IsotropicDescent:
@@ -240,10 +242,10 @@ class IsotropicDescent:
         core, below = cast(SplitFunction, lobe.function), float("inf")
         if core.part == "smooth":
             core, below = cast(SplitFunction, core.whole), core.height
-        whole = lobe_tables.isotropic_table(core.whole, LEFT_OUT)
+        envelope, ratio = lobe_tables.channel_tables(core.whole)
         caps, integral = lobe_tables.caps_and_integral(lobe.transfer, LEFT_OUT)
         gamma, width = gamma_table(lobe.center, lobe.function), lobe_centre(lobe.function)[1]
-        return cls(lobe.center, gamma, width, whole.envelope, whole.ratio, caps, integral, core.height, below)
+        return cls(lobe.center, gamma, width, envelope, ratio, caps, integral, core.height, below)
 
     def radiance(
         self, pyramid: _core.Pyramid, n: Array, v: Array, t: Array, threshold: float

@@ -20,15 +20,18 @@ Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.float32]
 CoreLobe = IsotropicLobe | RadialLobe
 
-VIEWS, FRAMES_OF_A_VIEW = 64, 6
+VIEWS, FRAMES_OF_A_VIEW = 64, 16
 """Of the frames that an error is measured at."""
+NOTHING = 1e-8
+"""What a node may have of a lobe's integral and be left out."""
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
     """Frames drawn at random, with the radiance of a lobe in each: quadrature over the lobe.
 
-    Half of them see the light in proportion to solid angle, half to the square of its radiance.
+    Half of them see the light in proportion to solid angle, half to the square of its radiance, there or
+    nearby.
 
     Attributes
     ----------
@@ -64,7 +67,8 @@ class Frames:
             rho = (
                 transfer(wi, view_at(float(np.cos(theta_v[k])), len(wi))).reshape(len(wi), -1) * area[:, None]
             )
-            there = np.abs(rho).sum(axis=1) > 0
+            height = np.abs(rho).sum(axis=1)
+            there = height > NOTHING * height.sum()
             light = _texels_at(pixels, np.einsum("fxk,ik->fix", frames, wi[there]))
             exact[at == k] = np.einsum("fic,ic->fc", light, np.broadcast_to(rho[there], (there.sum(), 3)))
         return cls(N, V, exact, weight)
@@ -110,7 +114,12 @@ def _drawn(pixels: Pixels, n: int, random: np.random.Generator) -> tuple[Array, 
     energy = np.add.reduceat(np.add.reduceat(square, rows[:-1], axis=0), columns[:-1], axis=1)
     top, bottom = edges[rows[:-1]], edges[rows[1:]]
     area = np.outer(top - bottom, np.diff(columns)) / (2 * W)
-    share = energy / energy.sum() if energy.sum() > 0 else area
+    share = area
+    if energy.sum() > 0:  # and, as lobes have tails, in the neighbourhood of bright blocks
+        near = sum(np.roll(energy, k, axis=1) for k in (-1, 0, 1))
+        above_and_below = np.pad(near, ((1, 1), (0, 0)))
+        near = above_and_below[2:] + near + above_and_below[:-2]
+        share = 0.5 * energy / energy.sum() + 0.5 * near / near.sum()
     chance = 0.5 * area + 0.5 * share
     drawn = random.choice(chance.size, n, p=chance.ravel() / chance.sum())
     i, j = np.divmod(drawn, len(columns) - 1)

@@ -215,24 +215,42 @@ class IsotropicTable:
 
 def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
     """Tabulate a lobe in the frame of its normal."""
-    envelope = _envelope(transfer)
-    light = _light_nodes()
-    planes, caps = [], []
-    for cos_v in np.cos(view_nodes()):
-        rho = channels_last(transfer(light, view_at(cos_v, len(light))))
-        plane = rho / _envelope_at(envelope, light, view_at(cos_v, len(light)))[:, None]
-        planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))
-        caps.append(cap_at(transfer, cos_v, tolerance))
-    ratio = _padded(_padded(np.array(planes), axis=2), axis=3)
+    envelope = _envelopes(transfer, ENVELOPE_INTERVALS, of_channels=False)
+    caps, integral = caps_and_integral(transfer, tolerance)
     table = IsotropicTable(
-        envelope=_padded(envelope, axis=0).astype(np.float32),
-        ratio=np.ascontiguousarray(ratio.astype(np.float32)),
-        caps=np.array(caps),
+        envelope=_padded(envelope[0], axis=0).astype(np.float32),
+        ratio=_ratio(transfer, envelope),
+        caps=caps,
         width=cap_at(transfer, np.sqrt(0.5), 0.5)[1],
-        integral=_mean_integral(transfer),
+        integral=integral,
         error=0.0,
     )
     return replace(table, error=_isotropic_error(table, transfer))
+
+
+def channel_tables(transfer: Transfer) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    """Tabulate a lobe that may be narrower than what an `IsotropicTable` resolves.
+
+    The envelope, (channels, intervals + 2), has eight times as many intervals and one row for each channel:
+    highlights of different widths have no ratio to their mean that a few hundred directions tell. The ratio
+    is of the shape of an `IsotropicTable`'s.
+    """
+    envelopes = _envelopes(transfer, 8 * ENVELOPE_INTERVALS, of_channels=True)
+    envelope = np.ascontiguousarray(_padded(envelopes, axis=1).astype(np.float32))
+    return envelope, _ratio(transfer, envelopes)
+
+
+def _ratio(transfer: Transfer, envelopes: Array) -> npt.NDArray[np.float32]:
+    """The lobe divided by its envelopes, (1 or channels, intervals + 1)."""
+    light = _light_nodes()
+    planes = []
+    for cos_v in np.cos(view_nodes()):
+        view = view_at(cos_v, len(light))
+        enveloped = np.stack([_envelope_at(envelope, light, view) for envelope in envelopes], axis=1)
+        plane = channels_last(transfer(light, view)) / enveloped
+        planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))
+    ratio = _padded(_padded(np.array(planes), axis=2), axis=3)
+    return np.ascontiguousarray(ratio.astype(np.float32))
 
 
 def caps_and_integral(transfer: Transfer, tolerance: float) -> tuple[Array, float]:
@@ -298,20 +316,21 @@ def _light_nodes() -> Array:
     return np.stack(parts, axis=-1).reshape(-1, 3)
 
 
-def _envelope(transfer: Transfer) -> Array:
-    """Mean of the lobe at each half angle, L and V at equal heights on both sides of H.
+def _envelopes(transfer: Transfer, intervals: int, *, of_channels: bool) -> Array:
+    """Mean of the lobe at each half angle, L and V at equal heights on both sides of H: (C, intervals + 1).
 
-    At such difference angles (phi_d = 90 degrees) the horizon never cuts in, so the mean is smooth.
+    C is 1, the mean over channels, or their number. At such difference angles (phi_d = 90 degrees) the
+    horizon never cuts in, so the mean is smooth.
     """
-    theta_h = 2 * np.arctan(np.arange(ENVELOPE_INTERVALS + 1) / ENVELOPE_INTERVALS)
+    theta_h = 2 * np.arctan(np.arange(intervals + 1) / intervals)
     theta_h = np.minimum(theta_h, np.pi / 2 - HORIZON)
     h = np.stack([np.sin(theta_h), np.zeros_like(theta_h), np.cos(theta_h)], axis=-1)
-    mean = np.zeros(len(theta_h))
+    mean = np.zeros(1)
     for theta_d in np.linspace(0, np.pi / 2, 12, endpoint=False):
         across = np.array([0.0, np.sin(theta_d), 0.0])
-        rho = channels_last(transfer(np.cos(theta_d) * h + across, np.cos(theta_d) * h - across))
-        mean += np.abs(rho).mean(axis=1) / 12
-    return np.maximum(mean, max(1e-12 * mean.max(), np.finfo(np.float32).tiny))
+        rho = np.abs(channels_last(transfer(np.cos(theta_d) * h + across, np.cos(theta_d) * h - across)))
+        mean = mean + (rho if of_channels else rho.mean(axis=1, keepdims=True)) / 12
+    return np.asarray(np.maximum(mean, np.maximum(1e-12 * mean.max(axis=0), np.finfo(np.float32).tiny)).T)
 
 
 def _envelope_at(envelope: Array, wi: Array, wo: Array) -> Array:

@@ -37,8 +37,8 @@ CoreLobe = IsotropicLobe | RadialLobe
 
 LARGEST_CUT = 2048
 """Columns of a picture whose texels are cut for narrow cores."""
-TEXELS_TO_A_WIDTH = 1.0
-"""How many texels the angle that holds half of a core must hold: they count as points."""
+CUT_TO, RESOLVED = 2.0, 1.0
+"""How many texels, which count as points, the angle that holds half of a core is to hold, and must hold."""
 THRESHOLDS = (0.05, 0.0125, 0.003)
 """Of the descent, tried in turn. The first already has nodes small against the lobe."""
 
@@ -264,11 +264,11 @@ def residual_for(
     H, W, _ = pixels.shape
     texel = max(np.pi / H, 2 * np.pi / W)
     narrowest = min(half_width(lobe) for _, lobe, _, _ in cores)
-    cut = int(np.clip(np.ceil(TEXELS_TO_A_WIDTH * texel / narrowest), 1, max(LARGEST_CUT // max(H, W), 1)))
+    cut = int(np.clip(np.ceil(CUT_TO * texel / narrowest), 1, max(LARGEST_CUT // max(H, W), 1)))
     result = Residual(pixels, cut, (), layout, size, np.eye(3))
     error = 0.0
     for name, lobe, center, gamma in cores:
-        resolved, narrow = _at_width(lobe, TEXELS_TO_A_WIDTH * texel / cut)
+        resolved, narrow = _at_width(lobe, RESOLVED * texel / cut)
         descent = _descent(resolved)
         look_up = None if narrow is None else LookUp.of(narrow)
         frames = Frames.of(pixels, lobe)

@@ -7,7 +7,7 @@
 `residual.k.centre`
     For core k: one row, the angle between the centre and N over theta_v, radians.
 `residual.k.envelope`, `.ratio`, `.caps`
-    Of an isotropic lobe, see `shrm.lobe_tables.IsotropicTable`; the ratio as rows of azimuths.
+    Of an isotropic lobe, see `shrm.lobe_descents.IsotropicDescent`; the ratio as rows of azimuths.
 `residual.k.profile`, `.within`
     Of a radial lobe, see `shrm.lobe_descents.RadialDescent`; the profile as rows of segments.
 `residual.k.albedo`, `.mirror`
@@ -47,7 +47,7 @@ def residual_parts(residual: Residual) -> list[image_io.Part]:
         if isinstance(descent, IsotropicDescent):
             numbers |= {"above": descent.above, "below": descent.below}
             ratio = descent.ratio.reshape(-1, descent.ratio.shape[-1])
-            tables = {"centre": descent.gamma[None], "envelope": descent.envelope[None]}
+            tables = {"centre": descent.gamma[None], "envelope": descent.envelope}
             tables |= {"ratio": ratio, "caps": descent.caps}
         else:
             numbers |= {"shift": descent.shift, "scale": descent.scale, "support": descent.support}
@@ -118,7 +118,7 @@ def _core(
     descent: IsotropicDescent | RadialDescent
     integral, width = number("integral"), number("width")
     if f"residual.{k}.ratio" in images:
-        envelope = _table(images, f"residual.{k}.envelope", (1, None))[0].astype(np.float32)
+        envelope = _table(images, f"residual.{k}.envelope", (None, None)).astype(np.float32)
         flat = _table(images, f"residual.{k}.ratio", (None, None)).astype(np.float32)
         caps = _table(images, f"residual.{k}.caps", (None, 2))
         views, (rows, azimuths) = len(caps), flat.shape
