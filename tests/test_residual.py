@@ -11,6 +11,7 @@ from data import require
 from directions import hemisphere
 from shrm import Environment, Prefilter, ReflectionMap, ToleranceWarning, brdf, explicit, image_io, prefilter
 from shrm.brdf.lobe import IsotropicLobe, RadialLobe
+from shrm.layouts import directions
 from shrm.lobe_split import split
 from shrm.orders import choose
 from shrm.reference import integrate
@@ -79,22 +80,59 @@ def test_a_lobe_about_the_tangent_stays_whole_and_says_so(env):
     assert rm.residual is None
 
 
+def frames_of(light: Environment, n: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Normals and views, and the weights that make a mean over them one over all frames.
+
+    The mirrored view is where light is bright, or near that, as often as anywhere else: errors of a few
+    bright frames are most of an RMS. cos^2(theta_v) has 20 values, evenly spaced.
+    """
+    H, W, _ = light.pixels.shape
+    random = np.random.default_rng(seed)
+    edges = np.cos(np.pi * np.arange(H + 1) / H)
+    area = np.broadcast_to((edges[:-1] - edges[1:])[:, None] / (2 * W), (H, W))
+    energy = area * (light.pixels.astype(np.float64) ** 2).sum(axis=2)
+    near = sum(np.roll(energy, (0, k), axis=(0, 1)) for k in range(-3, 4))
+    near = sum(np.pad(near, ((3, 3), (0, 0)))[k : k + H] for k in range(7))
+    chance = 0.4 * area + 0.3 * energy / energy.sum() + 0.3 * near / near.sum()
+    drawn = random.choice(H * W, n, p=chance.ravel() / chance.sum())
+    i, j = np.divmod(drawn, W)
+    z = edges[i + 1] + (edges[i] - edges[i + 1]) * random.random(n)
+    phi = np.pi - 2 * np.pi * (j + random.random(n)) / W
+    R = np.stack([np.sqrt(1 - z**2) * np.cos(phi), np.sqrt(1 - z**2) * np.sin(phi), z], axis=1)
+    cosine = np.sqrt((random.permutation(n) % 20 + 0.5) / 20)[:, None]
+    across = np.cross(R, random.normal(size=(n, 3)))
+    N = cosine * R + np.sqrt(1 - cosine**2) * across / np.linalg.norm(across, axis=1, keepdims=True)
+    return N, 2 * cosine * N - R, (area / chance).ravel()[drawn]
+
+
+def exact_radiance(light: Environment, material: brdf.BRDF, N, V, cut: int) -> np.ndarray:
+    """The plain sum, with 16 cut x 16 cut nodes in the texels within 12 degrees of the mirrored view."""
+    C = directions("latlong", *light.pixels.shape[:2])
+    result = np.zeros((len(N), 3))
+    for k, (n, v) in enumerate(zip(N, V, strict=True)):
+        near = (C @ (2 * (n @ v) * n - v) > np.cos(np.radians(12)))[..., None]
+        about = np.where(near, light.pixels, 0).repeat(cut, axis=0).repeat(cut, axis=1)
+        for pixels, subsamples in ((about, 16), (np.where(near, 0, light.pixels), 2)):
+            result[k] += integrate(Environment(pixels), material, n[None], v[None], subsamples=subsamples)[0]
+    return result
+
+
 @pytest.mark.parametrize("name", ["debevec_grace_cross.hdr", "venice_sunset_1k.hdr"])
 @pytest.mark.parametrize(
-    "material",
+    ("material", "cut"),
     [
-        brdf.GGX(0.02),
-        brdf.GGX(0.05, f0=(0.9, 0.8, 0.5)),
-        brdf.Beckmann(0.03),
-        0.5 * brdf.Lambert(1.0) + 0.3 * brdf.GGX(0.05),
-        brdf.Phong(5000),
-        ("Löw", "chrome-steel"),
-        ("Löw", "nickel"),
-        ("Bagher", "alum-bronze"),
+        (brdf.GGX(0.02), 1),
+        (brdf.GGX(0.05, f0=(0.9, 0.8, 0.5)), 1),
+        (brdf.Beckmann(0.03), 1),
+        (0.5 * brdf.Lambert(1.0) + 0.3 * brdf.GGX(0.05), 1),
+        (brdf.Phong(5000), 1),
+        (("Löw", "chrome-steel"), 2),
+        (("Löw", "nickel"), 1),
+        (("Bagher", "alum-bronze"), 1),
     ],
     ids=str,
 )
-def test_the_error_is_as_predicted_and_within_the_tolerance(material, name):
+def test_the_error_is_as_predicted_and_within_the_tolerance(material, cut, name):
     """Against the plain sum over nodes in the texels, at orders that alone miss the tolerance by far."""
     light = Environment.read(require(f"env/{name}")).resized(48, 96)
     if isinstance(material, tuple):
@@ -104,13 +142,13 @@ def test_the_error_is_as_predicted_and_within_the_tolerance(material, name):
         rm = prefilter(light, material, tolerance=0.05, **SMALL)
     assert rm.residual is not None
     assert rm.error <= 0.055  # the tolerance, and what interpolation adds
-    N, V = oracles.random_views(48, seed=4)
-    exact = integrate(light, material, N, V, subsamples=8)
-    measured = oracles.relative_rms(rm.radiance(N, V), exact)
+    N, V, weight = frames_of(light, 160, seed=4)
+    exact = exact_radiance(light, material, N, V, cut)
+    measured = oracles.relative_rms(rm.radiance(N, V), exact, weight)
     assert measured <= 1.25 * rm.error + 1e-4
     with pytest.warns(ToleranceWarning):
         alone = prefilter(light, material, tolerance=0.05, F_max=16, P_max=4)
-    assert measured < oracles.relative_rms(alone.radiance(N, V), exact)
+    assert oracles.relative_rms(alone.radiance(N, V), exact, weight) > 2 * measured
 
 
 @pytest.mark.parametrize("material", SHARP, ids=str)
@@ -140,20 +178,19 @@ def test_a_white_furnace_gives_the_directional_albedo(material):
     assert oracles.relative_rms(rm.radiance(N, V)[:, 0], expected) <= 1.25 * rm.error + 1e-4
 
 
-def test_what_is_narrower_than_the_texels_can_be_cut_is_looked_up():
-    """A mirror: the light about its direction, times the albedo."""
+@pytest.mark.parametrize("material", [0.7 * brdf.GGX(1e-4), 0.7 * brdf.Phong(1e7)], ids=["ggx", "phong"])
+def test_what_is_narrower_than_texels_can_be_cut_is_looked_up(material):
+    """A mirror: the texel in its direction, times the albedo."""
     H = 64
-    theta = np.pi * (np.arange(H) + 0.5) / H
-    gradient = np.broadcast_to((1 + np.cos(theta))[:, None, None], (H, 2 * H, 3))
-    light = Environment(np.ascontiguousarray(gradient, np.float32))
-    for material in (0.7 * brdf.GGX(1e-4), 0.7 * brdf.Phong(1e7)):
-        rm = prefilter(light, material, orders=(2, 1), residual="auto")
-        (_, core) = rm.residual.cores[0]
-        assert core.look_up is not None
-        N, V = oracles.random_views(200, seed=6)
-        R = 2 * np.sum(N * V, axis=1, keepdims=True) * N - V
-        expected = 0.7 * (1 + R[:, 2])
-        assert oracles.relative_rms(rm.radiance(N, V)[:, 0], expected) <= 0.05
+    rows = 1.5 + np.sin(6 * np.cos(np.pi * (np.arange(H) + 0.5) / H))
+    light = Environment(np.ascontiguousarray(np.broadcast_to(rows[:, None, None], (H, 2 * H, 3)), np.float32))
+    rm = prefilter(light, material, orders=(2, 1), residual="auto")
+    ((_, core),) = rm.residual.cores
+    assert core.look_up is not None
+    N, V = oracles.random_views(300, seed=6)
+    R = 2 * np.sum(N * V, axis=1, keepdims=True) * N - V
+    expected = 0.7 * rows[(np.arccos(R[:, 2]) * H / np.pi).astype(int)]
+    assert oracles.relative_rms(rm.radiance(N, V)[:, 0], expected) <= 1.25 * rm.error + 1e-4
 
 
 def test_maps_for_a_view_hold_the_residual(chrome):
@@ -185,10 +222,10 @@ def test_a_saved_map_has_its_residual(env, layout, tmp_path):
     N, V = oracles.random_views(300, seed=8)
     for mine, theirs in ((rm, back), (rm, pickle.loads(pickle.dumps(rm)))):
         assert theirs.error == pytest.approx(mine.error, rel=1e-6)
-        scale = mine.radiance(N, V).max()
-        np.testing.assert_allclose(theirs.radiance(N, V), mine.radiance(N, V), rtol=1e-3, atol=1e-4 * scale)
+        # tables are float32 in the file: a descent near its threshold may go one step farther or less
+        assert oracles.relative_rms(theirs.radiance(N, V), mine.radiance(N, V)) < 2e-3
         for name, pixels in mine.at_view([0, 0, 1]).items():
-            np.testing.assert_allclose(theirs.at_view([0, 0, 1])[name], pixels, rtol=1e-3, atol=1e-4 * scale)
+            assert oracles.relative_rms(theirs.at_view([0, 0, 1])[name], pixels) < 2e-3
 
 
 def test_a_core_that_is_missing_or_damaged_is_no_whole_map(chrome, tmp_path):

@@ -53,6 +53,7 @@ def residual_parts(residual: Residual) -> list[image_io.Part]:
             numbers |= {"shift": descent.shift, "scale": descent.scale, "support": descent.support}
             tables = {"profile": descent.values.reshape(-1, descent.values.shape[-1])}
             tables |= {"within": descent.within}
+        about[f"shrm:{k}.looked up"] = int(core.look_up is not None)
         if core.look_up is not None:
             tables |= {"albedo": core.look_up.albedo, "mirror": core.look_up.gamma[None]}
         about |= {f"shrm:{k}.map": name, f"shrm:{k}.center": descent.center}
@@ -123,28 +124,42 @@ def _core(
         caps = _table(images, f"residual.{k}.caps", (None, 2))
         views, (rows, azimuths) = len(caps), flat.shape
         lights = LIGHT_INTERVALS + 2
-        if rows not in (views * lights, 3 * views * lights):
+        channels = rows // max(views * lights, 1)
+        if channels not in (1, 3) or rows != channels * views * lights or views < 2 or azimuths < 3:
             raise ValueError(f"residual.{k}.ratio of shape {flat.shape}")
+        if len(envelope) not in (1, channels) or envelope.shape[1] < 3:
+            raise ValueError(f"residual.{k}.envelope of shape {envelope.shape}")
         ratio = np.ascontiguousarray(flat.reshape(views, -1, lights, azimuths))
-        own_gamma = _table(images, f"residual.{k}.centre", (1, None))[0]
+        own_gamma = _angles(images, f"residual.{k}.centre")
         heights = number("above"), number("below")
         descent = IsotropicDescent(own_center, own_gamma, width, envelope, ratio, caps, integral, *heights)
     else:
         flat = _table(images, f"residual.{k}.profile", (None, None)).astype(np.float32)
-        if len(flat) not in (4, 12):
+        segments = flat.shape[1]
+        if len(flat) not in (4, 12) or segments < 2 or segments & (segments - 1):
             raise ValueError(f"residual.{k}.profile of shape {flat.shape}")
         values = np.ascontiguousarray(flat.reshape(-1, 4, flat.shape[1]))
         within = _table(images, f"residual.{k}.within", (None, 2))
+        if len(within) < 2:
+            raise ValueError(f"residual.{k}.within of shape {within.shape}")
         shift, scale, support = int(number("shift")), number("scale"), number("support")
         descent = RadialDescent(own_center, values, shift, scale, support, integral, width, within)
     look_up = None
-    if f"residual.{k}.albedo" in images:
+    if number("looked up"):
         albedo = _table(images, f"residual.{k}.albedo", (len(view_nodes()), None))
-        mirror = _table(images, f"residual.{k}.mirror", (1, None))[0]
+        mirror = _angles(images, f"residual.{k}.mirror")
         if albedo.shape[1] not in (1, 3):
             raise ValueError(f"residual.{k}.albedo of shape {albedo.shape}")
         look_up = LookUp(cast(Center, own_center), mirror, albedo)
     return name, Core(center, gamma, descent, number("threshold"), look_up)
+
+
+def _angles(images: Images, name: str) -> Array:
+    """A row of angles over theta_v."""
+    angles: Array = _table(images, name, (1, None))[0]
+    if len(angles) < 2:
+        raise ValueError(f"{name} of {len(angles)} angles")
+    return angles
 
 
 def _values(name: str, table: npt.NDArray[Any]) -> image_io.Part:
