@@ -1,6 +1,6 @@
-"""The container of the RGL/EPFL material database: named arrays one after another in a file, little-endian.
+r"""The container of the RGL/EPFL material database: named arrays one after another in a file, little-endian.
 
-    "tensor_file\\0"   12 bytes
+    "tensor_file\0"    12 bytes
     1, 0              the version, a byte each
     fields            uint32, how many; then for each of them
         length        uint16 of its name, and the name
