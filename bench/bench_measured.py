@@ -1,4 +1,4 @@
-"""Measured materials: reading and preparing their files, prefiltering, and the error beside the predicted one."""
+"""Measured materials: reading and preparing their files, prefiltering, and measured beside predicted errors."""
 
 import time
 import warnings
