@@ -73,6 +73,7 @@
 //              SIGGRAPH 1999.
 //   [WSS13]    C. Wyman, P.-P. Sloan, P. Shirley. Simple Analytic Approximations to the CIE
 //              XYZ Color Matching Functions. JCGT 2(2), 2013.
+//   [CIE15]    CIE 15:2004. Colorimetry, 3rd edition. Vienna, 2004.
 //   [SMPTE177] SMPTE RP 177. Derivation of Basic Television Color Equations, 1993.
 //   [Lam85]    K. M. Lam. Metamerism and Colour Constancy. PhD thesis, Bradford, 1985.
 //   [BT709]    ITU-R Recommendation BT.709-6, 2015.
