@@ -63,6 +63,10 @@
 //              EGWR 1998.
 //   [WMLT07]   B. Walter, S. Marschner, H. Li, K. Torrance. Microfacet Models for Refraction
 //              through Rough Surfaces. EGSR 2007.
+//   [LKYU12]   J. Löw, J. Kronander, A. Ynnerman, J. Unger. BRDF Models for Accurate and Efficient
+//              Rendering of Glossy Surfaces. ACM TOG 31(1), 2012.
+//   [BSH12]    M. Bagher, C. Soler, N. Holzschuch. Accurate Fitting of Measured Reflectances Using
+//              a Shifted Gamma Micro-facet Distribution. Computer Graphics Forum 31(4), 2012.
 //   [AP07]     M. Ashikhmin, S. Premoze. Distribution-based BRDFs. Technical report, University
 //              of Utah, 2007.
 //   [AS00]     M. Ashikhmin, P. Shirley. An Anisotropic Phong BRDF Model. Journal of Graphics

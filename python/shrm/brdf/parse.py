@@ -8,18 +8,23 @@
     microfacet:0.2
     ggx:alpha=0.1,f0=1.0/0.8/0.3
     0.5*lambert:0.8 + ggx:0.2
-    lafortune:skin.json#skin          material "skin" of a file of coefficients
+    merl-abc:blue-metallic-paint      a published fit by its name: merl-abc, merl-sgd, lafortune
+    lafortune:mine.json#skin          material "skin" of a file of fits: abc, sgd, lafortune
+    krylon_blue.brdf                  a file of measurements, see `shrm.brdf.load`
 
-The name of every analytic material, such as "ggx(alpha=0.1)", is such a text. (A file whose path
-contains "+" or "*" cannot be written here: use `Lafortune.read`.)
+The name of every analytic material and every published fit, such as "ggx(alpha=0.1)", is such a text. (In
+sums and products the path of a file cannot contain "+" or "*".)
 """
 
 from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from pathlib import Path
 
+from shrm.brdf import fits
+from shrm.brdf.abc_model import ABC
 from shrm.brdf.anisotropic_ggx import AnisotropicGGX
 from shrm.brdf.ashikhmin_shirley import AshikhminShirley
 from shrm.brdf.banks import Banks
@@ -29,9 +34,11 @@ from shrm.brdf.kajiya_kay import KajiyaKay
 from shrm.brdf.lafortune import Lafortune
 from shrm.brdf.lambert import Lambert
 from shrm.brdf.lobe import BRDF
+from shrm.brdf.measured import Extrapolate, load
 from shrm.brdf.microfacet import Microfacet
 from shrm.brdf.miller_heidrich import MillerHeidrich
 from shrm.brdf.phong import Phong
+from shrm.brdf.sgd import SGD
 from shrm.validation import RGB
 
 MODELS: Mapping[str, type[BRDF]] = {
@@ -40,20 +47,35 @@ MODELS: Mapping[str, type[BRDF]] = {
     "microfacet": Microfacet,
     "ggx": GGX,
     "beckmann": Beckmann,
-    "lafortune": Lafortune,
     "miller-heidrich": MillerHeidrich,
     "kajiya-kay": KajiyaKay,
     "banks": Banks,
     "ashikhmin-shirley": AshikhminShirley,
     "anisotropic-ggx": AnisotropicGGX,
+    "abc": ABC,
+    "sgd": SGD,
 }
+
+FILES: Mapping[str, Callable[[str, str], BRDF]] = {
+    "lafortune": Lafortune.read,
+    "abc": ABC.read,
+    "sgd": SGD.read,
+}
+"""What reads a material of a file of fits, FILE#NAME."""
 
 _TERM = re.compile(r"(?P<name>[A-Za-z][\w-]*)\s*(?::(?P<after>.*)|\((?P<within>.*)\))?", re.DOTALL)
 _PLUS = re.compile(r"(?<![\d.][eE])\+")  # not the plus of 1e+3
 
 
-def parse(text: str) -> BRDF:
+def parse(text: str, extrapolate: Extrapolate = "nearest") -> BRDF:
     """Make a material from text such as "0.5*lambert:0.8 + ggx:alpha=0.1,f0=0.04".
+
+    Parameters
+    ----------
+    text : str
+        As above.
+    extrapolate : {"nearest", "zero"}
+        How files of measurements are filled where they have no data.
 
     Raises
     ------
@@ -61,28 +83,21 @@ def parse(text: str) -> BRDF:
         If `text` is not a string.
     ValueError
         If it names no known model, or arguments that the model does not take or that are out of
-        range; the text lists the known ones.
+        range; the text lists the known ones. If it names a file that holds something else.
     OSError
         If it names a file that cannot be read.
     """
     if not isinstance(text, str):
         raise TypeError(f"a material's text must be a string, got {text!r}")
-    first, *others = (_term(term.strip(), text) for term in _PLUS.split(text))
+    if _is_file(text):  # whose path may contain + and *
+        return load(text, extrapolate=extrapolate)
+    first, *others = (_term(term.strip(), text, extrapolate) for term in _PLUS.split(text))
     return sum(others, start=first)
 
 
-def _term(term: str, text: str) -> BRDF:
+def _term(term: str, text: str, extrapolate: Extrapolate) -> BRDF:
     *factors, rest = (part.strip() for part in term.split("*"))
-    match = _TERM.fullmatch(rest)
-    if match is None:
-        raise ValueError(
-            f"{text!r}: expected a material such as ggx:0.1 at {rest!r}; known are {', '.join(MODELS)}"
-        )
-    name = match["name"].lower()
-    if name not in MODELS:
-        raise ValueError(f"{text!r}: no material {match['name']!r}; known are {', '.join(MODELS)}")
-    arguments = (match["after"] or match["within"] or "").strip()
-    material = _lafortune(arguments) if name == "lafortune" else _model(name, arguments)
+    material = _factorless(rest, text, extrapolate)
     for factor in reversed(factors):
         weight = _number_or_rgb(factor)
         if weight is None:
@@ -91,9 +106,46 @@ def _term(term: str, text: str) -> BRDF:
     return material
 
 
+def _factorless(term: str, text: str, extrapolate: Extrapolate) -> BRDF:
+    before_arguments = re.split("[:(]", term)[0]
+    if _is_file(term) or "/" in before_arguments or Path(term).suffix.lower() in SUFFIXES:
+        return load(term, extrapolate=extrapolate)
+    match = _TERM.fullmatch(term)
+    known = ", ".join(dict.fromkeys([*MODELS, *fits.MAKERS]))
+    if match is None:
+        raise ValueError(
+            f"{text!r}: expected a material such as ggx:0.1, or a file of measurements, at {term!r}; "
+            f"known are {known}"
+        )
+    name, arguments = match["name"].lower(), (match["after"] or match["within"] or "").strip()
+    path, hash_sign, material = arguments.rpartition("#")
+    if name in FILES and hash_sign:
+        if not (path and material):
+            raise ValueError(f"{name}: needs a file and a material in it, FILE#NAME, got {arguments!r}")
+        return FILES[name](path, material)
+    if name in fits.MAKERS:
+        if not arguments:
+            raise ValueError(f"{name}: needs the name of a material; it has {', '.join(fits.names(name))}")
+        return fits.fit(name, arguments)
+    if name in MODELS:
+        return _model(name, arguments)
+    raise ValueError(f"{text!r}: no material or file {match['name']!r}; known are {known}")
+
+
+SUFFIXES = (".brdf", ".bsdf", ".binary", ".alta")
+"""Of names that are files, though none is there."""
+
+
+def _is_file(text: str) -> bool:
+    try:
+        return Path(text).is_file()
+    except (OSError, ValueError):  # too long for a path, or with a zero in it
+        return False
+
+
 def _model(name: str, arguments: str) -> BRDF:
     """A material whose arguments are its class's parameters."""
-    fields = dataclasses.fields(MODELS[name])  # type: ignore[arg-type]
+    fields = _fields(name)
     names = [field.name for field in fields]
     values: dict[str, float | RGB | str] = {}
     for position, argument in enumerate(arguments.split(",") if arguments else []):
@@ -119,13 +171,6 @@ def _model(name: str, arguments: str) -> BRDF:
         raise ValueError(str(error)) from None
 
 
-def _lafortune(arguments: str) -> BRDF:
-    path, hash_sign, material = arguments.rpartition("#")
-    if not (hash_sign and path and material):
-        raise ValueError(f"lafortune: needs a file and a material in it, FILE#NAME, got {arguments!r}")
-    return Lafortune.read(path, material)
-
-
 def _number_or_rgb(text: str) -> float | RGB | None:
     """A number, three separated by slashes, or None if the text is neither."""
     parts = text.split("/")
@@ -142,5 +187,11 @@ def _signature(name: str) -> str:
     """The parameters of a model as text: 'alpha, f0=1'."""
     return ", ".join(
         field.name if field.default is dataclasses.MISSING else f"{field.name}={field.default}"
-        for field in dataclasses.fields(MODELS[name])  # type: ignore[arg-type]
+        for field in _fields(name)
     )
+
+
+def _fields(name: str) -> list[dataclasses.Field[object]]:
+    """A model's parameters, without what can be given by keyword alone: its label."""
+    every = dataclasses.fields(MODELS[name])  # type: ignore[arg-type]
+    return [field for field in every if not field.kw_only]

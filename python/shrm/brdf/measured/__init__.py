@@ -8,6 +8,7 @@
 References for the formats stand in the modules that read them.
 """
 
+from shrm.brdf.measured.load import load
 from shrm.brdf.measured.material import Extrapolate, Measured
 
-__all__ = ["Extrapolate", "Measured"]
+__all__ = ["Extrapolate", "Measured", "load"]

@@ -1,0 +1,69 @@
+"""Which format a file of measurements has: recognised by its content, not by its name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Protocol, get_args
+
+from shrm.brdf.measured.material import Extrapolate, Measured
+from shrm.validation import one_of
+
+
+class Format(Protocol):
+    """A module that reads one format."""
+
+    def recognises(self, head: bytes, size: int) -> bool:
+        """Whether a file begins so, the first `HEAD` bytes of `size`."""
+
+    def read(self, path: Path, extrapolate: Extrapolate) -> Measured:
+        """Read it; ValueError, naming the file, if it is not as the format has it."""
+
+
+FORMATS: Sequence[Format] = ()
+"""In the order they are asked: those with a magic word first."""
+
+HEAD = 4096
+"""Bytes that tell."""
+
+
+def load(path: str | os.PathLike[str], *, extrapolate: Extrapolate = "nearest") -> Measured:
+    """Read a measured material from its file.
+
+    MERL's `.binary`, RGL/EPFL's tensor files `.bsdf`, Cornell's goniometer data `.brdf`, CUReT's measurements
+    and coefficients, ALTA's text; recognised by content.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    extrapolate : {"nearest", "zero"}
+        How directions without data, at grazing angles above all, are filled: with the nearest value in the
+        coordinates of the file, or black.
+
+    Returns
+    -------
+    Measured
+        A material like any other, in linear sRGB. What it lacks in reciprocity, or has too much of energy, is
+        as it was measured: `shrm.brdf.measured.quality` reports it.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    TypeError, ValueError
+        If it is of none of the formats, or damaged; one line that names it.
+    """
+    one_of("extrapolate", extrapolate, get_args(Extrapolate))
+    file = Path(path)
+    with file.open("rb") as opened:
+        head = opened.read(HEAD)
+        size = os.fstat(opened.fileno()).st_size
+    for known in FORMATS:
+        if known.recognises(head, size):
+            return known.read(file, extrapolate)
+    what = "is empty" if size == 0 else "is no file of measurements that is known"
+    if head.lstrip()[:1] == b"{":
+        what = "is JSON: for one of its fits say lafortune:FILE#NAME, abc:FILE#NAME or sgd:FILE#NAME"
+    raise ValueError(f"{path}: {what} (MERL .binary, RGL .bsdf, Cornell .brdf, CUReT, ALTA)")
