@@ -92,6 +92,7 @@
 //   analysis        light: from a lat-long picture to coefficients L_lm
 //   wigner          small-d recurrences, Clebsch-Gordan
 //   rotation        rotation of coefficients
+//   angle_table     materials from regular tables over angles
 //   brdf_analysis   material: the transfer function's coefficients rho_lpq
 //   map_coefficients  the product of both: the coefficients of the reflection map's own maps
 //   synthesis       from coefficients to maps, on a lat-long grid
@@ -120,6 +121,7 @@
 //                   views    where vertices see the eye, in their frames and between samples
 //                   rows     products of rows and light in vectors
 //                   tents, compressed, earlier   the methods
+//   direction_pairs, direction_lanes   many pairs of directions, eight at a time
 //   simd            vectors of the instruction set that a file is compiled for
 //   stream          stores of what is larger than the caches
 #pragma once
