@@ -77,6 +77,7 @@
 //              SIGGRAPH 1999.
 //   [WSS13]    C. Wyman, P.-P. Sloan, P. Shirley. Simple Analytic Approximations to the CIE
 //              XYZ Color Matching Functions. JCGT 2(2), 2013.
+//   [CIE15]    CIE 15:2004. Colorimetry, 3rd edition. Vienna, 2004.
 //   [SMPTE177] SMPTE RP 177. Derivation of Basic Television Color Equations, 1993.
 //   [Lam85]    K. M. Lam. Metamerism and Colour Constancy. PhD thesis, Bradford, 1985.
 //   [BT709]    ITU-R Recommendation BT.709-6, 2015.
@@ -91,6 +92,7 @@
 //   analysis        light: from a lat-long picture to coefficients L_lm
 //   wigner          small-d recurrences, Clebsch-Gordan
 //   rotation        rotation of coefficients
+//   angle_table     materials from regular tables over angles
 //   brdf_analysis   material: the transfer function's coefficients rho_lpq
 //   map_coefficients  the product of both: the coefficients of the reflection map's own maps
 //   synthesis       from coefficients to maps, on a lat-long grid
@@ -119,6 +121,7 @@
 //                   views    where vertices see the eye, in their frames and between samples
 //                   rows     products of rows and light in vectors
 //                   tents, compressed, earlier   the methods
+//   direction_pairs, direction_lanes   many pairs of directions, eight at a time
 //   simd            vectors of the instruction set that a file is compiled for
 //   stream          stores of what is larger than the caches
 #pragma once
