@@ -71,7 +71,7 @@ CPP_ORDER = [
     ["rotation"],
     ["direction_pairs"],
     ["direction_lanes"],
-    ["angle_table"],
+    ["angle_table", "adaptive_parameterization"],
     ["brdf_analysis"],
     ["reflection_map"],
     ["map_coefficients"],
