@@ -1,4 +1,7 @@
+#include <memory>
+
 #include "ndarray.hpp"
+#include "shrm/adaptive_parameterization.hpp"
 #include "shrm/angle_table.hpp"
 
 namespace shrm::bindings {
@@ -61,6 +64,42 @@ Array<std::int64_t> nearest_angles(const std::vector<int>& shape, const std::str
     return nodes;
 }
 
+AdaptiveParameterization::Square square(const py::array& array, const char* name, int rows, int columns) {
+    const AdaptiveParameterization::Square extents{extent(array, rows), extent(array, columns)};
+    if (extents.rows < 2 || extents.columns < 2)
+        throw py::value_error(std::string(name) + " has at least two rows and two columns");
+    return extents;
+}
+
+std::unique_ptr<AdaptiveParameterization> adaptive_parameterization(const Array<double>& theta_i,
+                                                                    const Array<float>& vndf,
+                                                                    const Array<float>& values,
+                                                                    const Array<float>& ndf,
+                                                                    const Array<float>& sigma) {
+    require_shape(theta_i, "theta_i", {any});
+    if (theta_i.shape(0) < 1) throw py::value_error("theta_i is empty");
+    require_shape(vndf, "vndf", {theta_i.shape(0), any, any});
+    require_shape(values, "values", {theta_i.shape(0), any, any, 3});
+    require_shape(ndf, "ndf", {any, any});
+    require_shape(sigma, "sigma", {any});
+    const bool has_ndf = ndf.size() > 0;
+    if (has_ndf && sigma.shape(0) < 2) throw py::value_error("sigma has at least two values");
+    return std::make_unique<AdaptiveParameterization>(
+        view(theta_i), view(vndf), square(vndf, "vndf", 1, 2), view(values), square(values, "values", 1, 2),
+        view(ndf), has_ndf ? square(ndf, "ndf", 0, 1) : AdaptiveParameterization::Square{}, view(sigma));
+}
+
+// A method of the parameterization that makes (n, 3) of n pairs.
+template <void (AdaptiveParameterization::*method)(const DirectionPairs&, std::span<double>) const>
+Array<double> of_pairs(const AdaptiveParameterization& table, const Directions& wi, const Directions& wo) {
+    const DirectionPairs pairs = pairs_of(wi, wo);
+    auto result = allocate<double>({wi.shape(0), 3});
+    const auto out = view(result);
+    const py::gil_scoped_release release;
+    (table.*method)(pairs, out);
+    return result;
+}
+
 }  // namespace
 
 void bind_measured(py::module_& module) {
@@ -71,6 +110,13 @@ void bind_measured(py::module_& module) {
                "axes"_a, "square_root"_a, "centers"_a, "wi"_a.noconvert(), "wo"_a.noconvert());
     module.def("nearest_angles", &nearest_angles, py::kw_only(), "shape"_a, "axes"_a, "square_root"_a,
                "centers"_a, "wi"_a.noconvert(), "wo"_a.noconvert());
+    py::class_<AdaptiveParameterization>(module, "AdaptiveParameterization")
+        .def(py::init(&adaptive_parameterization), py::kw_only(), "theta_i"_a.noconvert(),
+             "vndf"_a.noconvert(), "values"_a.noconvert(), "ndf"_a.noconvert(), "sigma"_a.noconvert())
+        .def("evaluate", &of_pairs<&AdaptiveParameterization::evaluate>, py::kw_only(), "wi"_a.noconvert(),
+             "wo"_a.noconvert())
+        .def("samples", &of_pairs<&AdaptiveParameterization::samples>, py::kw_only(), "wi"_a.noconvert(),
+             "wo"_a.noconvert());
 }
 
 }  // namespace shrm::bindings

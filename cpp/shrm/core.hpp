@@ -69,6 +69,10 @@
 //              a Shifted Gamma Micro-facet Distribution. Computer Graphics Forum 31(4), 2012.
 //   [AP07]     M. Ashikhmin, S. Premoze. Distribution-based BRDFs. Technical report, University
 //              of Utah, 2007.
+//   [DJ18]     J. Dupuy, W. Jakob. An Adaptive Parameterization for Efficient Material Acquisition
+//              and Rendering. ACM TOG 37(6), 2018.
+//   [MPBM03]   W. Matusik, H. Pfister, M. Brand, L. McMillan. A Data-Driven Reflectance Model.
+//              ACM TOG 22(3), 2003.
 //   [AS00]     M. Ashikhmin, P. Shirley. An Anisotropic Phong BRDF Model. Journal of Graphics
 //              Tools 5(2), 2000.
 //   [H14]      E. Heitz. Understanding the Masking-Shadowing Function in Microfacet-Based
@@ -92,7 +96,7 @@
 //   analysis        light: from a lat-long picture to coefficients L_lm
 //   wigner          small-d recurrences, Clebsch-Gordan
 //   rotation        rotation of coefficients
-//   angle_table     materials from regular tables over angles
+//   angle_table, adaptive_parameterization   materials measured in tables
 //   brdf_analysis   material: the transfer function's coefficients rho_lpq
 //   map_coefficients  the product of both: the coefficients of the reflection map's own maps
 //   synthesis       from coefficients to maps, on a lat-long grid

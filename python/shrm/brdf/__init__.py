@@ -41,10 +41,10 @@ from shrm.brdf.lobe import (
     RadialLobe,
     ZonalLobe,
 )
-from shrm.brdf.measured import Measured, load
+from shrm.brdf.measured import Measured, MeasurementError, load
 from shrm.brdf.microfacet import Microfacet
 from shrm.brdf.miller_heidrich import MillerHeidrich
-from shrm.brdf.parse import parse
+from shrm.brdf.parse import filled, parse
 from shrm.brdf.phong import Phong
 from shrm.brdf.sgd import SGD
 from shrm.brdf.tabulated import Tabulated
@@ -67,6 +67,7 @@ __all__ = [
     "Lobe",
     "Material",
     "Measured",
+    "MeasurementError",
     "Microfacet",
     "MillerHeidrich",
     "Phong",
@@ -74,6 +75,7 @@ __all__ = [
     "Tabulated",
     "ZonalLobe",
     "directional_albedo",
+    "filled",
     "fits",
     "from_function",
     "load",

@@ -11,6 +11,7 @@
     merl-abc:blue-metallic-paint      a published fit by its name: merl-abc, merl-sgd, lafortune
     lafortune:mine.json#skin          material "skin" of a file of fits: abc, sgd, lafortune
     krylon_blue.brdf                  a file of measurements, see `shrm.brdf.load`
+    krylon_blue.brdf:extrapolate=zero black where it has none; by default nearest
 
 The name of every analytic material and every published fit, such as "ggx(alpha=0.1)", is such a text. (In
 sums and products the path of a file cannot contain "+" or "*".)
@@ -22,6 +23,7 @@ import dataclasses
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from shrm.brdf import fits
 from shrm.brdf.abc_model import ABC
@@ -67,15 +69,8 @@ _TERM = re.compile(r"(?P<name>[A-Za-z][\w-]*)\s*(?::(?P<after>.*)|\((?P<within>.
 _PLUS = re.compile(r"(?<![\d.][eE])\+")  # not the plus of 1e+3
 
 
-def parse(text: str, extrapolate: Extrapolate = "nearest") -> BRDF:
+def parse(text: str) -> BRDF:
     """Make a material from text such as "0.5*lambert:0.8 + ggx:alpha=0.1,f0=0.04".
-
-    Parameters
-    ----------
-    text : str
-        As above.
-    extrapolate : {"nearest", "zero"}
-        How files of measurements are filled where they have no data.
 
     Raises
     ------
@@ -89,15 +84,34 @@ def parse(text: str, extrapolate: Extrapolate = "nearest") -> BRDF:
     """
     if not isinstance(text, str):
         raise TypeError(f"a material's text must be a string, got {text!r}")
-    if _is_file(text):  # whose path may contain + and *
-        return load(text, extrapolate=extrapolate)
-    first, *others = (_term(term.strip(), text, extrapolate) for term in _PLUS.split(text))
+    if (file := _file(text)) is not None:  # whose path may contain + and *
+        return file.load()
+    first, *others = (_term(term.strip(), text) for term in _PLUS.split(text))
     return sum(others, start=first)
 
 
-def _term(term: str, text: str, extrapolate: Extrapolate) -> BRDF:
+def filled(text: str, extrapolate: Extrapolate) -> str:
+    """Return the text of the same material with its files of measurements filled so.
+
+    Parameters
+    ----------
+    text : str
+        As `parse` reads it; files that say themselves how they are filled keep it.
+    extrapolate : {"nearest", "zero"}
+        See `shrm.brdf.load`.
+    """
+
+    def term(text: str) -> str:
+        if ":extrapolate=" in text or _file(text.split("*")[-1].strip()) is None:
+            return text.strip()
+        return f"{text.strip()}:extrapolate={extrapolate}"
+
+    return term(text) if _file(text) is not None else " + ".join(map(term, _PLUS.split(text)))
+
+
+def _term(term: str, text: str) -> BRDF:
     *factors, rest = (part.strip() for part in term.split("*"))
-    material = _factorless(rest, text, extrapolate)
+    material = _factorless(rest, text)
     for factor in reversed(factors):
         weight = _number_or_rgb(factor)
         if weight is None:
@@ -106,10 +120,9 @@ def _term(term: str, text: str, extrapolate: Extrapolate) -> BRDF:
     return material
 
 
-def _factorless(term: str, text: str, extrapolate: Extrapolate) -> BRDF:
-    before_arguments = re.split("[:(]", term)[0]
-    if _is_file(term) or "/" in before_arguments or Path(term).suffix.lower() in SUFFIXES:
-        return load(term, extrapolate=extrapolate)
+def _factorless(term: str, text: str) -> BRDF:
+    if (file := _file(term)) is not None:
+        return file.load()
     match = _TERM.fullmatch(term)
     known = ", ".join(dict.fromkeys([*MODELS, *fits.MAKERS]))
     if match is None:
@@ -135,12 +148,32 @@ def _factorless(term: str, text: str, extrapolate: Extrapolate) -> BRDF:
 SUFFIXES = (".brdf", ".bsdf", ".binary", ".alta")
 """Of names that are files, though none is there."""
 
+_FILE = re.compile(r"(?P<path>.+?)(?:[:(]extrapolate=(?P<how>[^)]*)\)?)?", re.DOTALL)
 
-def _is_file(text: str) -> bool:
+
+class _File(NamedTuple):
+    """A file of measurements, and how it is filled."""
+
+    path: str
+    how: str
+
+    def load(self) -> BRDF:
+        return load(self.path, extrapolate=self.how)  # type: ignore[arg-type]
+
+
+def _file(term: str) -> _File | None:
+    """Return the file that a text names, or None: one that is there, or a name that is nothing else."""
+    match = _FILE.fullmatch(term)
+    if match is None:
+        return None
+    path = match["path"]
     try:
-        return Path(text).is_file()
+        there = Path(path).is_file()
     except (OSError, ValueError):  # too long for a path, or with a zero in it
-        return False
+        return None
+    alone = not _PLUS.search(path) and "*" not in path
+    a_name = "/" in re.split("[:(]", path)[0] or Path(path).suffix.lower() in SUFFIXES
+    return _File(path, match["how"] or "nearest") if there or (alone and a_name) else None
 
 
 def _model(name: str, arguments: str) -> BRDF:

@@ -8,7 +8,7 @@
 References for the formats stand in the modules that read them.
 """
 
-from shrm.brdf.measured.load import load
-from shrm.brdf.measured.material import Extrapolate, Measured
+from shrm.brdf.measured.load import load, recognised
+from shrm.brdf.measured.material import Extrapolate, Measured, MeasurementError
 
-__all__ = ["Extrapolate", "Measured", "load"]
+__all__ = ["Extrapolate", "Measured", "MeasurementError", "load", "recognised"]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Protocol, get_args
 
-from shrm.brdf.measured.material import Extrapolate, Measured
+from shrm.brdf.measured.material import Extrapolate, Measured, MeasurementError
 from shrm.validation import one_of
 
 
@@ -45,25 +46,50 @@ def load(path: str | os.PathLike[str], *, extrapolate: Extrapolate = "nearest") 
     Returns
     -------
     Measured
-        A material like any other, in linear sRGB. What it lacks in reciprocity, or has too much of energy, is
-        as it was measured: `shrm.brdf.measured.quality` reports it.
+        A material like any other, in linear sRGB; the same one for a file that has not changed. What it
+        lacks in reciprocity, or has too much of energy, is as it was measured: `shrm.measurement_quality`
+        and `shrm info` report it.
 
     Raises
     ------
     OSError
         If the file cannot be read.
-    TypeError, ValueError
-        If it is of none of the formats, or damaged; one line that names it.
+    MeasurementError
+        If it is of none of the formats, or damaged: a ValueError of one line that names it.
+    ValueError
+        If `extrapolate` is none of those.
     """
     one_of("extrapolate", extrapolate, get_args(Extrapolate))
     file = Path(path)
+    at = file.stat()
+    return _kept(str(path), extrapolate, at.st_mtime_ns, at.st_size)
+
+
+# A file that has not changed gives the same material, so that what is computed for it is found again.
+@lru_cache(maxsize=8)
+def _kept(path: str, extrapolate: Extrapolate, mtime: int, size: int) -> Measured:
+    file = Path(path)
+    if (known := recognised(file)) is not None:
+        try:
+            return known.read(file, extrapolate)
+        except ValueError as fault:
+            raise MeasurementError(str(fault)) from None
+    what = "is empty" if size == 0 else "is no file of measurements that is known"
     with file.open("rb") as opened:
+        if opened.read(HEAD).lstrip()[:1] == b"{":
+            what = "is JSON: for one of its fits say lafortune:FILE#NAME, abc:FILE#NAME or sgd:FILE#NAME"
+    raise MeasurementError(f"{path}: {what} (MERL .binary, RGL .bsdf, Cornell .brdf, CUReT, ALTA)")
+
+
+def recognised(path: Path) -> Format | None:
+    """Return the format that a file begins as, or None.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    """
+    with path.open("rb") as opened:
         head = opened.read(HEAD)
         size = os.fstat(opened.fileno()).st_size
-    for known in FORMATS:
-        if known.recognises(head, size):
-            return known.read(file, extrapolate)
-    what = "is empty" if size == 0 else "is no file of measurements that is known"
-    if head.lstrip()[:1] == b"{":
-        what = "is JSON: for one of its fits say lafortune:FILE#NAME, abc:FILE#NAME or sgd:FILE#NAME"
-    raise ValueError(f"{path}: {what} (MERL .binary, RGL .bsdf, Cornell .brdf, CUReT, ALTA)")
+    return next((known for known in FORMATS if known.recognises(head, size)), None)
