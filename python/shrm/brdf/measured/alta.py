@@ -213,9 +213,10 @@ def _parsed(path: Path) -> tuple[str, FloatArray, FloatArray]:
         raise ValueError(f"{path}: rows must have {inputs} + {outputs} numbers, got {rows.shape[1]}")
     coordinates, values = rows[:, :inputs], rows[:, inputs : inputs + outputs]
     for column, (what, least, most) in enumerate(COORDINATES[name]):
-        rounding = 1e-9 * most
-        text.require_range(path, what, coordinates[:, column], least - rounding, most + rounding)
-        coordinates[:, column] = np.clip(coordinates[:, column], least, most)
+        inside = np.clip(coordinates[:, column], least, most)
+        rounded = np.abs(inside - coordinates[:, column]) < 1e-9
+        coordinates[rounded, column] = inside[rounded]
+        text.require_range(path, what, coordinates[:, column], least, most)
     text.require_range(path, "values", values, -np.inf, 1e9)
     return name, coordinates, values
 

@@ -78,7 +78,7 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     if np.sum(present) < FEWEST:
         raise ValueError(f"{path}: {np.sum(present)} geometries have data, at least {FEWEST} are needed")
     angles = angles[present]
-    xyz = to_xyz(wavelengths, spectra[present])
+    xyz = _colors(path, wavelengths, spectra[present])
     outside = int(np.sum(linear_srgb_from_xyz(xyz).min(axis=1) < 0.0))
     wi, wo = (_directions(theta, phi) for theta, phi in (angles[:, :2].T, angles[:, 2:].T))
     notes = [
@@ -104,10 +104,17 @@ def _directions(theta: FloatArray, phi: FloatArray) -> FloatArray:
     return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1)
 
 
+def _colors(path: Path, wavelengths: FloatArray, spectra: FloatArray) -> FloatArray:
+    try:
+        return to_xyz(wavelengths, spectra)
+    except ValueError as fault:
+        raise ValueError(f"{path}: {fault}") from None
+
+
 def _parsed(path: Path) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The angles (n, 4), the wavelengths (K,) and the spectra (n, K)."""
     words = [word for line in text.lines(path) for word in line.partition("#")[0].split()]
-    if not words or not words[0].isdecimal() or not words[0].isascii() or len(words[0]) > 9:
+    if not words or not words[0].isdecimal() or not words[0].isascii() or len(words[0]) > 18:
         raise ValueError(
             f"{path}: must begin with the number of wavelengths, got {''.join(words[:1])[:40]!r}"
         )
