@@ -1,4 +1,4 @@
-"""Measured materials: reading and preparing their files, prefiltering, and measured beside predicted errors."""
+"""Measured materials: reading and preparing their files, prefiltering, and errors beside the predicted."""
 
 import time
 import warnings

@@ -2,8 +2,13 @@
 
 `load` recognises a file by its content and returns a material like any other.
 
-    material      what all of them are: values, where there are any, and how the rest is filled; start here
-    load          which format a file has
+    material       what all of them are: values, where there are any, and how the rest is filled; start here
+    load           which format a file has
+    rgl            over tensor_file and spectrum (colours)
+    merl           its table
+    cornell        over text, spectrum, scattered (splines) and resampled (tables)
+    alta           the same of fewer angles
+    curet          over koenderink_van_doorn, their basis
 
 References for the formats stand in the modules that read them.
 """
