@@ -5,6 +5,7 @@ their antiderivatives, in float64: no cells, no running sums.
 """
 
 import struct
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -130,19 +131,22 @@ def evaluate(fields: dict[str, np.ndarray], i: np.ndarray, o: np.ndarray) -> np.
 
 
 def half_vectors(D: np.ndarray, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(u, v) whose samples are x and y in one slice D (n, n), by bisection."""
-    one = np.ones((len(x), 1))
-    low, high = np.zeros(len(y)), np.ones(len(y))
-    for _ in range(50):
-        v = 0.5 * (low + high)
-        less = warped(D[None], one, v, v)[1] < y
-        low, high = np.where(less, v, low), np.where(less, high, v)
-    bottom, top = np.zeros(len(x)), np.ones(len(x))
-    for _ in range(50):
-        u = 0.5 * (bottom + top)
-        less = warped(D[None], one, u, v)[0] < x
-        bottom, top = np.where(less, u, bottom), np.where(less, top, u)
-    return u, v
+    """(u, v) whose samples are x and y in one slice D (n, n), by bisection to 1e-12."""
+    rows, columns = D.shape
+    one = np.ones(1)
+    v = bisected(lambda at: integrals(at, rows) @ (D @ integrals(one, columns)[0]), y)
+    of_row = hats(v, rows) @ D
+    wanted = x * (of_row @ integrals(one, columns)[0])
+    return bisected(lambda at: np.einsum("nx,nx->n", of_row, integrals(at, columns)), wanted), v
+
+
+def bisected(rising: Callable[[np.ndarray], np.ndarray], value: np.ndarray) -> np.ndarray:
+    low, high = np.zeros(len(value)), np.ones(len(value))
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        less = rising(middle) < value
+        low, high = np.where(less, middle, low), np.where(less, high, middle)
+    return 0.5 * (low + high)
 
 
 def ggx(alpha: float, slices: int, k: int, n: int = 128) -> dict[str, np.ndarray]:

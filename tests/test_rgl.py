@@ -65,7 +65,7 @@ def test_real_materials_are_their_own_mirror_images_and_reflect_less_than_all(na
     assert np.abs(material.transfer(wi * mirror, wo * mirror) - values).max() < 1e-3 * values.max()
     assert values.min() >= 0.0
     with pytest.warns(RuntimeWarning, match="only known to"):  # the table's cells have kinks
-        albedo = brdf.directional_albedo(material, [1.0, 0.8, 0.5, 0.2, 0.01])
+        albedo = brdf.directional_albedo(material, [1.0, 0.5, 0.05])
     assert albedo.min() > 0.01
     assert albedo.max() < 1.0
 
@@ -94,16 +94,18 @@ def test_small_files_equal_an_independent_reading(tmp_path: Path, changes: dict)
 
 def test_a_model_written_to_the_format_reads_back(tmp_path: Path) -> None:
     """GGX against its formula: V is the direction of theta_i, and the cosine is that of L."""
-    alpha, relative = 0.25, []
+    alpha, relative = 0.2, []
     model = brdf.GGX(alpha, 1.0)
-    wi, wo = hemisphere(4000, 4), hemisphere(4000, 5)
+    wi, wo = hemisphere(8000, 4), hemisphere(8000, 5)
+    clear = (wi[:, 2] > 0.3) & (wo[:, 2] > 0.2)  # of the horizon, where the samples end in a kink
+    wi, wo = wi[clear], wo[clear]
     expected = model.transfer(wi, wo)
-    for slices, k in ((6, 10), (12, 20)):
-        material = rgl.read(written(tmp_path, rgl_format.ggx(alpha, slices, k, n=100)))
+    for slices, k in ((8, 16), (16, 32)):
+        material = rgl.read(written(tmp_path, rgl_format.ggx(alpha, slices, k)))
         difference = material.function(wi, wo) - expected[:, None]
         relative.append(np.sqrt(np.mean(difference**2) / np.mean(expected**2)))
-    # Errors are of second order; not quite four times smaller, for n stays the same.
-    assert relative[1] < 0.01
+    # Linear interpolation: twice as fine, four times as good; three, for the finer one has vndf's error too.
+    assert relative[1] < 0.003
     assert relative[1] < relative[0] / 3
 
 
