@@ -5,7 +5,9 @@
     material       what all of them are: values, where there are any, and how the rest is filled; start here
     load           which format a file has
     rgl            over tensor_file
-    cornell        over text, spectrum (colours), scattered (splines) and resampled (tables)
+    cornell        over text, spectrum (colors), scattered (splines) and resampled (tables)
+    alta           over text, scattered and resampled
+    curet          over text, koenderink_van_doorn (a basis) and resampled
 
 References for the formats stand in the modules that read them.
 """
