@@ -141,7 +141,7 @@ def _row(source: str, name: str, material: Accuracy) -> list[Cell]:
 
 def _counts(found: Found) -> list[list[Cell]]:
     """The paper's figure, for each source and class."""
-    rows = []
+    rows: list[list[Cell]] = []
     for source, classes in found.items():
         whole = [material for many in classes.values() for material in many]
         parts = classes if len(classes) > 1 else {}

@@ -91,9 +91,7 @@ def make(settings: Settings) -> Result:
 
 
 def _notes(brdf: BRDF, series: Series) -> list[str]:
-    what = (
-        "a model of velvet [AP07]" if brdf.name == "velvet" else f"{FIT[1]} ({FIT[0]})"
-    )
+    what = "a model of velvet [AP07]" if brdf.name == "velvet" else f"{FIT[1]} ({FIT[0]})"
     lost = {center: f"{list(series[center, False].values())[-1].frames_error:.0%}" for center in CENTERS}
     return [
         f"In place of CUReT's velvet: {what}, diffuse and glossy parts together [RH02 footnote 6].",
