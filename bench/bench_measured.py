@@ -1,4 +1,4 @@
-"""Measured materials: reading and preparing their files, prefiltering, and the error beside the predicted one."""
+"""Measured materials: reading and preparing their files, prefiltering, and errors beside the predicted."""
 
 import time
 import warnings

@@ -69,6 +69,10 @@
 //              a Shifted Gamma Micro-facet Distribution. Computer Graphics Forum 31(4), 2012.
 //   [AP07]     M. Ashikhmin, S. Premoze. Distribution-based BRDFs. Technical report, University
 //              of Utah, 2007.
+//   [DJ18]     J. Dupuy, W. Jakob. An Adaptive Parameterization for Efficient Material Acquisition
+//              and Rendering. ACM TOG 37(6), 2018.
+//   [MPBM03]   W. Matusik, H. Pfister, M. Brand, L. McMillan. A Data-Driven Reflectance Model.
+//              ACM TOG 22(3), 2003.
 //   [AS00]     M. Ashikhmin, P. Shirley. An Anisotropic Phong BRDF Model. Journal of Graphics
 //              Tools 5(2), 2000.
 //   [H14]      E. Heitz. Understanding the Masking-Shadowing Function in Microfacet-Based
@@ -77,6 +81,7 @@
 //              SIGGRAPH 1999.
 //   [WSS13]    C. Wyman, P.-P. Sloan, P. Shirley. Simple Analytic Approximations to the CIE
 //              XYZ Color Matching Functions. JCGT 2(2), 2013.
+//   [CIE15]    CIE 15:2004. Colorimetry, 3rd edition. Vienna, 2004.
 //   [SMPTE177] SMPTE RP 177. Derivation of Basic Television Color Equations, 1993.
 //   [Lam85]    K. M. Lam. Metamerism and Colour Constancy. PhD thesis, Bradford, 1985.
 //   [BT709]    ITU-R Recommendation BT.709-6, 2015.
@@ -91,6 +96,7 @@
 //   analysis        light: from a lat-long picture to coefficients L_lm
 //   wigner          small-d recurrences, Clebsch-Gordan
 //   rotation        rotation of coefficients
+//   angle_table, adaptive_parameterization   materials measured in tables
 //   brdf_analysis   material: the transfer function's coefficients rho_lpq
 //   map_coefficients  the product of both: the coefficients of the reflection map's own maps
 //   synthesis       from coefficients to maps, on a lat-long grid
@@ -119,6 +125,7 @@
 //                   views    where vertices see the eye, in their frames and between samples
 //                   rows     products of rows and light in vectors
 //                   tents, compressed, earlier   the methods
+//   direction_pairs, direction_lanes   many pairs of directions, eight at a time
 //   simd            vectors of the instruction set that a file is compiled for
 //   stream          stores of what is larger than the caches
 #pragma once
