@@ -27,7 +27,7 @@ from shrm.orders import ToleranceWarning
 from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
 from shrm.reflection_map import ReflectionMap
-from shrm.render import Camera, Mesh, Object, display, render
+from shrm.render import Camera, Mesh, Object, Placement, about_vertical, display, render
 from shrm.reproduce.grid_meshes import knot
 from shrm.reproduce.result import Cell, Result, Settings
 
@@ -44,8 +44,10 @@ RAYS = 4
 """Along each side of a pixel."""
 JUDGED = 4000
 """Points of each panel that are integrated."""
-DISTANCE, FOV = 3.75, 32.5
+DISTANCE = 3.75
 """Of the camera, from an object between -1 and 1."""
+FILLED = 0.97
+"""Of a panel, by the object, across or upright."""
 
 
 @dataclass(frozen=True)
@@ -92,14 +94,14 @@ GRACE, PETER, UFFIZI, GROVE = (
     ("Eucalyptus grove", "rnl"),
 )
 PAINTED = fits.fit("merl-sgd", "blue-metallic-paint"), fits.fit("merl-sgd", "orange-paint")
-WOVEN, BRUSHED = fits.fit("merl-sgd", "red-fabric"), (0.95, 0.76, 0.5) * KajiyaKay(48, "mirror")
+WOVEN, BRUSHED = fits.fit("merl-sgd", "red-fabric"), (0.06, 0.5, 0.22) * KajiyaKay(32)
 
 PANELS = (
-    Panel("microfacet BRDF", "microfacet", MODEL, Microfacet(0.15), "", *GRACE, 135.0, 22.0, 1.0),
-    Panel("krylon blue", "krylon blue", "Cornell", PAINTED[0], "krylon", *PETER, 0.0, -22.0, 1.0),
-    Panel("orange, CUReT", "golden yellow", "RGL", PAINTED[1], "golden_yellow", *UFFIZI, 180.0, 22.0, 0.9),
-    Panel("velvet, CUReT", "red fabric", FIT, WOVEN, "", *GRACE, -60.0, -22.0, 0.6),
-    Panel("anisotropic BRDF", "Kajiya-Kay", MODEL, BRUSHED, "", *GROVE, 180.0, 22.0, 1.0),
+    Panel("microfacet BRDF", "microfacet", MODEL, Microfacet(0.15), "", *GRACE, 135.0, 36.0, 1.0),
+    Panel("krylon blue", "krylon blue", "Cornell", PAINTED[0], "krylon", *UFFIZI, 180.0, -26.0, 1.0),
+    Panel("orange, CUReT", "golden yellow", "RGL", PAINTED[1], "golden_yellow", *PETER, 0.0, 36.0, 1.1),
+    Panel("velvet, CUReT", "red fabric", FIT, WOVEN, "", *GRACE, -140.0, -26.0, 0.8),
+    Panel("anisotropic BRDF", "Kajiya-Kay", MODEL, BRUSHED, "", *GROVE, 180.0, 36.0, 0.65),
 )
 COLUMNS = (
     "material [RH02]",
@@ -126,7 +128,7 @@ def make(settings: Settings) -> Result:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ToleranceWarning)  # the table has the error
             rm = prefilter(light, brdf, tolerance=TOLERANCE)
-        camera, mesh = _camera(panel.look), shape.placed(turn=panel.look + panel.turn)
+        camera, mesh = _framed(shape, panel)
         pictures.append(_picture(Object(mesh, rm), camera, env, panel.bright, settings.quick))
         judged = _measured_error(light, brdf, rm, mesh, camera, 100 if settings.quick else JUDGED)
         stands_in = bool(panel.file) and settings.data is None
@@ -151,26 +153,25 @@ def make(settings: Settings) -> Result:
 
 def _notes(settings: Settings) -> list[str]:
     lines = [
-        "Panels from left to right. Krylon blue is the paper's: Cornell's measurements, there as McCool et al. "
-        "rebuilt them, here interpolated between the measured directions.",
-        "In place of CUReT's orange stands golden yellow, a paint that RGL measured (Dupuy and Jakob 2018); in "
-        "place of its velvet a red fabric of MERL, by the fit of Bagher et al. 2012.",
-        "Models: equation 11 of [RH02] with sigma = .15; Kajiya and Kay's with exponent 48 on the cone of mirror "
-        "directions, tinted, about the direction of larger curvature. The paper does not say which it took, nor "
-        "which light is in which panel.",
-        f"F and P are for a predicted error of {TOLERANCE:.0%} with F <= 120 and P <= 8. The measured one is "
-        f"relative RMS against integration of the same light, of {LIGHT} rows, at {JUDGED} points of the object "
-        "that are seen, colours pooled.",
-        "Prefiltering is from the light to maps of the chosen orders, the material analysed before, the best of "
-        "three.",
+        "Panels from left to right. Krylon blue is the paper's, as Cornell measured it; the paper has it as "
+        "McCool et al. rebuilt it from the same measurements.",
+        "CUReT is not to be had. In place of its orange stands golden yellow, a paint that RGL measured "
+        "(Dupuy and Jakob 2018); in place of its velvet a red fabric of MERL, by the fit of Bagher et al. 2012.",
+        "Models: equation 11 of [RH02] with sigma = .15; Kajiya and Kay's with exponent 32 [RH02 sec. 7.1], "
+        "tinted, about the direction of larger curvature. The paper does not say what it took, nor which "
+        "light is in which panel.",
+        f"F and P are chosen for a predicted error of {TOLERANCE:.0%}, F <= 120 and P <= 8. The predicted one is "
+        "the mean over all normals and views; the measured one is relative RMS against integration of the "
+        f"same light, of {LIGHT} rows, at {JUDGED} points that are seen in the picture, colours pooled.",
+        "Prefiltering is from the light to maps of these orders, the material analysed before, best of ten.",
         "Objects are shown linearly, each panel with its own exposure, and shadow nothing; backgrounds are "
-        "tone-mapped, as in the paper. Light: Paul Debevec's. The armadillo is Stanford's.",
+        "tone-mapped, as in the paper. The light is Paul Debevec's, the armadillo Stanford's.",
     ]
     if settings.data is None:
+        shape = "a knot in place of the armadillo" if settings.mesh is None else "the mesh that was given"
         lines.append(
-            "Without a folder (--data) all panels have one light, "
-            + ("the mesh that was given" if settings.mesh is not None else "a knot in place of the armadillo")
-            + ", and fits to MERL stand in for files of measurements."
+            f"Without a folder (--data) all panels have one light, and {shape}; fits to MERL stand in for "
+            "files of measurements."
         )
     return lines
 
@@ -208,15 +209,26 @@ def _shape(settings: Settings) -> Mesh:
         mesh = Mesh.read(_file(settings, "mesh", "armadillo"))
     else:
         mesh = knot(128, 24) if settings.quick else knot()
-    return mesh.with_tangents("principal")
+    return mesh.placed().with_tangents("principal")
 
 
 # ---- Drawing and judging
 
 
-def _camera(look: float) -> Camera:
-    phi = np.radians(look)
-    return Camera((-DISTANCE * float(np.cos(phi)), -DISTANCE * float(np.sin(phi)), 0.0), fov=FOV)
+def _framed(shape: Mesh, panel: Panel) -> tuple[Camera, Mesh]:
+    """Turn an object to a camera that looks as a panel says, which it fills."""
+    phi = np.radians(panel.look)
+    away = DISTANCE * np.array([-np.cos(phi), -np.sin(phi), 0.0])
+    camera = Camera((float(away[0]), float(away[1]), 0.0))
+    width, height = PANEL
+    mesh = shape.moved(Placement(about_vertical(panel.look + panel.turn), 1.0, np.zeros(3)))
+    pixel = 2.0 * DISTANCE * np.tan(np.radians(camera.fov) / 2.0) / height
+    x, y = (0.5 * (seen.min() + seen.max()) for seen in camera.project(mesh.vertices, width, height))
+    right, up, _ = camera.axes
+    aside = pixel * ((0.5 * width - x) * right + (y - 0.5 * height) * up)
+    mesh = mesh.moved(Placement(np.eye(3), 1.0, aside))
+    columns, lines = camera.project(mesh.vertices, width, height)
+    return camera.zoomed(FILLED * min(width / np.ptp(columns), height / np.ptp(lines))), mesh
 
 
 def _picture(
@@ -265,9 +277,9 @@ def _measured_error(
 
 
 def _milliseconds(light: Environment, brdf: BRDF, rm: ReflectionMap) -> float:
-    """Return the best of three times from the light to the maps, the material analysed before."""
+    """Return the best of ten times from the light to the maps, the material analysed before."""
     times = []
-    for _ in range(3):
+    for _ in range(10):
         fresh = Environment(light.pixels)  # whose coefficients nothing has kept
         start = time.perf_counter()
         prefilter(fresh, brdf, orders=(rm.F, rm.P), size=rm.parts[0].size)
