@@ -1,4 +1,7 @@
+#include <array>
 #include <memory>
+
+#include <pybind11/stl.h>
 
 #include "ndarray.hpp"
 #include "shrm/adaptive_parameterization.hpp"
@@ -25,8 +28,7 @@ DirectionPairs pairs_of(const Directions& wi, const Directions& wo) {
     return {i, o, static_cast<std::size_t>(wi.shape(0))};
 }
 
-AngleAxes axes_of(const std::string& axes, const std::vector<int>& shape, bool square_root, bool centers) {
-    if (shape.size() != 3) throw py::value_error("a table of angles has three axes");
+AngleAxes axes_of(const std::string& axes, const std::array<int, 3>& shape, bool square_root, bool centers) {
     for (int n : shape)
         if (n < 2) throw py::value_error("an axis of a table of angles has at least two nodes");
     if (axes != "angles" && axes != "half-angle") throw py::value_error("axes is " + axes);
@@ -53,7 +55,7 @@ Array<double> interpolate_angles(const Array<T>& table, const std::string& axes,
     return values;
 }
 
-Array<std::int64_t> nearest_angles(const std::vector<int>& shape, const std::string& axes, bool square_root,
+Array<std::int64_t> nearest_angles(const std::array<int, 3>& shape, const std::string& axes, bool square_root,
                                    bool centers, const Directions& wi, const Directions& wo) {
     const AngleAxes of_table = axes_of(axes, shape, square_root, centers);
     const DirectionPairs pairs = pairs_of(wi, wo);

@@ -42,6 +42,9 @@
 //   Mathematics
 //   [VMK88]    D. Varshalovich, A. Moskalev, V. Khersonskii. Quantum Theory of Angular
 //              Momentum. World Scientific, 1988.
+//   [D77]      J. Duchon. Splines Minimizing Rotation-Invariant Semi-Norms in Sobolev Spaces.
+//              Constructive Theory of Functions of Several Variables, 1977.
+//   [W04]      H. Wendland. Scattered Data Approximation. Cambridge University Press, 2004.
 //   [W06]      J. Waldvogel. Fast Construction of the Fejer and Clenshaw-Curtis Quadrature
 //              Rules. BIT 46, 2006.
 //   [S67]      R. Sinkhorn. Diagonal Equivalence to Matrices with Prescribed Row and Column
@@ -73,6 +76,14 @@
 //              and Rendering. ACM TOG 37(6), 2018.
 //   [MPBM03]   W. Matusik, H. Pfister, M. Brand, L. McMillan. A Data-Driven Reflectance Model.
 //              ACM TOG 22(3), 2003.
+//   [DGNK99]   K. J. Dana, B. van Ginneken, S. K. Nayar, J. J. Koenderink. Reflectance and
+//              Texture of Real-World Surfaces. ACM TOG 18(1), 1999.
+//   [KD98]     J. J. Koenderink, A. J. van Doorn. Phenomenological Description of Bidirectional
+//              Surface Reflection. JOSA A 15(11), 1998.
+//   [BBP14]    L. Belcour, P. Barla, R. Pacanowski. ALTA: A BRDF Analysis Library. Workshop on
+//              Material Appearance Modeling, 2014.
+//   [PH10]     M. Pharr, G. Humphreys. Physically Based Rendering, 2nd edition. Morgan
+//              Kaufmann, 2010.
 //   [AS00]     M. Ashikhmin, P. Shirley. An Anisotropic Phong BRDF Model. Journal of Graphics
 //              Tools 5(2), 2000.
 //   [H14]      E. Heitz. Understanding the Masking-Shadowing Function in Microfacet-Based

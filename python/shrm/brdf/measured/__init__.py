@@ -4,8 +4,11 @@
 
     material       what all of them are: values, where there are any, and how the rest is filled; start here
     load           which format a file has
-    rgl            over tensor_file
-    cornell        over text, spectrum (colours), scattered (splines) and resampled (tables)
+    rgl            over tensor_file and spectrum (colours)
+    merl           its table
+    cornell        over text, spectrum, scattered (splines) and resampled (tables)
+    alta           the same of fewer angles
+    curet          over koenderink_van_doorn, their basis
 
 References for the formats stand in the modules that read them.
 """

@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Protocol, get_args
 
-from shrm.brdf.measured import cornell, rgl
+from shrm.brdf.measured import alta, cornell, curet, merl, rgl
 from shrm.brdf.measured.material import Extrapolate, Measured, MeasurementError
 from shrm.validation import one_of
 
@@ -23,7 +23,7 @@ class Format(Protocol):
         """Read it; ValueError, naming the file, if it is not as the format has it."""
 
 
-FORMATS: Sequence[Format] = (rgl, cornell)
+FORMATS: Sequence[Format] = (rgl, alta, cornell, curet, merl)
 """In the order they are asked: those with a magic word first."""
 
 HEAD = 4096

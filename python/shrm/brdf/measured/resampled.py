@@ -1,9 +1,13 @@
 """Tables over half angles of BRDFs that take long to evaluate, and what they hold beyond their data.
 
-A fit or an interpolation is evaluated once at the nodes of a table, whose look-up costs the same for all. The
-nodes are even in the square root of theta_h, which gathers them about the mirror direction, and in theta_d and
-phi_d. Directions farther from the normal than the data go are brought back to the last that have some, at
-the same azimuth ("nearest"), or are black ("zero").
+A fit or an interpolation is evaluated once at the nodes of a table, whose look-up costs the same for all.
+The nodes are even in the square root of theta_h, which gathers them about the mirror direction, and in
+theta_d and phi_d [R98]. Directions farther from the normal than the data go are brought back to the last
+that have some, at the same azimuth (`within`), or are black.
+
+References
+----------
+.. [R98] S. Rusinkiewicz. A New Change of Variables for Efficient BRDF Representation. EGWR 1998.
 """
 
 from __future__ import annotations
@@ -23,43 +27,44 @@ Function = Callable[[FloatArray, FloatArray], FloatArray]
 Covers = Callable[[FloatArray, FloatArray], BoolArray]
 
 
-def resampled(
-    brdf: Function, theta_i: float, theta_o: float, extrapolate: Extrapolate
-) -> tuple[Function, Covers]:
+def resampled(brdf: Function, covers: Covers, extrapolate: Extrapolate) -> Function:
     """Put a BRDF into a table.
 
     Parameters
     ----------
     brdf : callable
-        wi, wo, (n, 3) float64 unit vectors within the given angles of the normal, to the BRDF without the
-        cosine, (n, 3) float64.
-    theta_i, theta_o : float
-        The largest angles of wi and wo from the normal at which it has data, in (0, pi/2).
+        wi, wo, (n, 3) float64 unit vectors, to the BRDF without the cosine, (n, 3) float64. Asked for
+        directions below the horizon too, at the nodes of cells that reach above it.
+    covers : callable
+        Where it has data.
     extrapolate : {"nearest", "zero"}
-        What there is beyond.
+        What there is elsewhere: what the BRDF says, or nothing.
 
     Returns
     -------
-    function, covers : callable
-        rho_hat with the cosine in it, and where it has data: as `Measured` takes them.
+    callable
+        wi, wo, (n, 3) float64 above the horizon, to rho_hat (n, 3) float64, with the cosine in it.
     """
-    wi, wo = half_angle_nodes(SHAPE)
-    values = brdf(within(wi, theta_i), within(wo, theta_o))
-    table = AngleTable(
-        np.ascontiguousarray(values.reshape(*SHAPE, 3), np.float32), "half-angle", "ends", "square-root"
-    )
-    # Cosines, with room for the rounding of a direction at the limit itself.
-    least_i, least_o = np.cos(theta_i) - 1e-7, np.cos(theta_o) - 1e-7
-
-    def covers(wi: FloatArray, wo: FloatArray) -> BoolArray:
-        return (wi[:, 2] >= least_i) & (wo[:, 2] >= least_o)
+    values = brdf(*half_angle_nodes(SHAPE)).reshape(*SHAPE, 3)
+    table = AngleTable(np.ascontiguousarray(values, np.float32), "half-angle", "ends", "square-root")
 
     def function(wi: FloatArray, wo: FloatArray) -> FloatArray:
         result = table(wi, wo)
         result *= wi[:, 2:] if extrapolate == "nearest" else (wi[:, 2] * covers(wi, wo))[:, None]
         return result
 
-    return function, covers
+    return function
+
+
+def cones(theta_i: float, theta_o: float) -> Covers:
+    """Return what is True where wi and wo lie within these angles from the normal."""
+    # Cosines, with room for the rounding of a direction at the limit itself.
+    least_i, least_o = np.cos(theta_i) - 1e-7, np.cos(theta_o) - 1e-7
+
+    def covers(wi: FloatArray, wo: FloatArray) -> BoolArray:
+        return np.asarray((wi[:, 2] >= least_i) & (wo[:, 2] >= least_o))
+
+    return covers
 
 
 def within(w: FloatArray, theta: float) -> FloatArray:
@@ -85,7 +90,7 @@ def half_angle_nodes(shape: tuple[int, int, int]) -> tuple[FloatArray, FloatArra
 def from_half_angles(
     theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return wi and wo, (n, 3), of half angles [R98] (n,): H at azimuth 0, wi at (theta_d, phi_d) about it."""
+    """Return wi and wo, (n, 3), of half angles (n,) [R98]: H at azimuth 0, wi at (theta_d, phi_d) from it."""
     along, across = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d)
     sin_h, cos_h, cos_d = np.sin(theta_h), np.cos(theta_h), np.cos(theta_d)
     wi = np.stack([along * cos_h + cos_d * sin_h, across, cos_d * cos_h - along * sin_h], axis=1)
