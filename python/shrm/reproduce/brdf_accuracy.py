@@ -122,8 +122,8 @@ def _kept(analysis: LobeAnalysis, P: int) -> FloatArray:
 
 def _half(theta_i: FloatArray, energy: FloatArray) -> float:
     """The angle that holds half of an energy, degrees; 0 of none."""
+    if energy.sum() <= 0:
+        return 0.0
     order = np.argsort(theta_i, axis=None)
     inside = np.cumsum(energy.ravel()[order])
-    if inside[-1] <= 0:
-        return 0.0
     return float(np.degrees(np.interp(inside[-1] / 2, inside, theta_i.ravel()[order])))

@@ -22,12 +22,14 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.brdf import BRDF, KajiyaKay, Microfacet, fits, load
+from shrm.brdf.lobe import FloatArray
 from shrm.environment import Environment
 from shrm.orders import ToleranceWarning
 from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
 from shrm.reflection_map import ReflectionMap
-from shrm.render import Camera, Mesh, Object, Placement, about_vertical, display, render
+from shrm.render import Camera, Mesh, Object, Placement, Reflection, about_vertical, display, render
+from shrm.reproduce.comparison import Frames
 from shrm.reproduce.grid_meshes import knot
 from shrm.reproduce.result import Cell, Result, Settings
 
@@ -111,14 +113,15 @@ COLUMNS = (
     "F",
     "P",
     "predicted error",
-    "measured error",
+    "measured, picture",
+    "measured, random frames",
     "prefiltering, ms",
 )
 
 
 def make(settings: Settings) -> Result:
     """Prefilter, draw and judge each panel."""
-    shape = _shape(settings)
+    shape = object_shown(settings)
     pictures: list[npt.NDArray[np.uint8]] = []
     rows: list[list[Cell]] = []
     for panel in PANELS:
@@ -128,9 +131,12 @@ def make(settings: Settings) -> Result:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ToleranceWarning)  # the table has the error
             rm = prefilter(light, brdf, tolerance=TOLERANCE)
-        camera, mesh = _framed(shape, panel)
+        camera, mesh = framed(shape, panel)
         pictures.append(_picture(Object(mesh, rm), camera, env, panel.bright, settings.quick))
-        judged = _measured_error(light, brdf, rm, mesh, camera, 100 if settings.quick else JUDGED)
+        exact, count = prefilter_angular(light, brdf), 100 if settings.quick else JUDGED
+        errors = [
+            relative_error(rm, exact, each) for each in (seen(mesh, camera, count), Frames.drawn(count))
+        ]
         stands_in = bool(panel.file) and settings.data is None
         rows.append(
             [
@@ -138,7 +144,7 @@ def make(settings: Settings) -> Result:
                 brdf.name if stands_in else panel.here,
                 FIT if stands_in else panel.measured,
                 settings.env_name if settings.data is None else panel.place,
-                *(rm.F, rm.P, rm.error, judged, _milliseconds(light, brdf, rm)),
+                *(rm.F, rm.P, rm.error, *errors, _milliseconds(light, brdf, rm)),
             ]
         )
     return Result(
@@ -155,14 +161,15 @@ def _notes(settings: Settings) -> list[str]:
     lines = [
         "Panels from left to right. Krylon blue is the paper's, as Cornell measured it; the paper has it as "
         "McCool et al. rebuilt it from the same measurements.",
-        "CUReT is not to be had. In place of its orange stands golden yellow, a paint that RGL measured "
-        "(Dupuy and Jakob 2018); in place of its velvet a red fabric of MERL, by the fit of Bagher et al. 2012.",
+        "CUReT is not to be had. In place of its orange stands golden yellow, which RGL measured (Dupuy and "
+        "Jakob 2018); in place of its velvet a red fabric of MERL, by the fit of Bagher et al. 2012.",
         "Models: equation 11 of [RH02] with sigma = .15; Kajiya and Kay's with exponent 32 [RH02 sec. 7.1], "
         "tinted, about the direction of larger curvature. The paper does not say what it took, nor which "
         "light is in which panel.",
-        f"F and P are chosen for a predicted error of {TOLERANCE:.0%}, F <= 120 and P <= 8. The predicted one is "
-        "the mean over all normals and views; the measured one is relative RMS against integration of the "
-        f"same light, of {LIGHT} rows, at {JUDGED} points that are seen in the picture, colours pooled.",
+        f"F and P are chosen for a predicted error of {TOLERANCE:.0%}, F <= 120 and P <= 8. Errors are "
+        "relative RMS, colours pooled; measured ones against integration of the same light, of "
+        f"{LIGHT} rows, at {JUDGED} points that are seen in the picture, and as many frames with N and V of "
+        "any direction, which are what is predicted.",
         "Prefiltering is from the light to maps of these orders, the material analysed before, best of ten.",
         "Objects are shown linearly, each panel with its own exposure, and shadow nothing; backgrounds are "
         "tone-mapped, as in the paper. The light is Paul Debevec's, the armadillo Stanford's.",
@@ -201,7 +208,7 @@ def _material(settings: Settings, panel: Panel) -> BRDF:
     return load(_file(settings, "brdf", panel.file))
 
 
-def _shape(settings: Settings) -> Mesh:
+def object_shown(settings: Settings) -> Mesh:
     """Return the object with tangents, within a cube from -1 to 1."""
     if settings.mesh is not None:
         mesh = Mesh.read(settings.mesh)
@@ -215,7 +222,7 @@ def _shape(settings: Settings) -> Mesh:
 # ---- Drawing and judging
 
 
-def _framed(shape: Mesh, panel: Panel) -> tuple[Camera, Mesh]:
+def framed(shape: Mesh, panel: Panel) -> tuple[Camera, Mesh]:
     """Turn an object to a camera that looks as a panel says, which it fills."""
     phi = np.radians(panel.look)
     away = DISTANCE * np.array([-np.cos(phi), -np.sin(phi), 0.0])
@@ -223,7 +230,7 @@ def _framed(shape: Mesh, panel: Panel) -> tuple[Camera, Mesh]:
     width, height = PANEL
     mesh = shape.moved(Placement(about_vertical(panel.look + panel.turn), 1.0, np.zeros(3)))
     pixel = 2.0 * DISTANCE * np.tan(np.radians(camera.fov) / 2.0) / height
-    x, y = (0.5 * (seen.min() + seen.max()) for seen in camera.project(mesh.vertices, width, height))
+    x, y = (0.5 * (part.min() + part.max()) for part in camera.project(mesh.vertices, width, height))
     right, up, _ = camera.axes
     aside = pixel * ((0.5 * width - x) * right + (y - 0.5 * height) * up)
     mesh = mesh.moved(Placement(np.eye(3), 1.0, aside))
@@ -240,40 +247,37 @@ def _picture(
     """
     width, height = (extent // 8 for extent in PANEL) if quick else PANEL
     rays = 1 if quick else RAYS
-    seen = render([thing], camera, rays * width, rays * height, samples=1)
-    strongest = seen.radiance[seen.coverage > 0].max(axis=1)
-    clipped = np.clip(seen.radiance * (bright / np.percentile(strongest, 98.0)), 0.0, 1.0)
+    drawn = render([thing], camera, rays * width, rays * height, samples=1)
+    strongest = drawn.radiance[drawn.coverage > 0].max(axis=1)
+    clipped = np.clip(drawn.radiance * (bright / np.percentile(strongest, 98.0)), 0.0, 1.0)
     behind = render([], camera, width, height, background=env, samples=rays).radiance
     # Reinhard's curve, colour by colour: half the limit at one and a half times the mean
     behind = behind / (behind + 1.5 * behind.mean())
     shape = (height, rays, width, rays, -1)
     linear = clipped.reshape(shape).mean(axis=(1, 3))
-    linear += (1 - seen.coverage.reshape(shape).mean(axis=(1, 3))) * behind
+    linear += (1 - drawn.coverage.reshape(shape).mean(axis=(1, 3))) * behind
     return display(linear.astype(np.float32))
 
 
-def _measured_error(
-    light: Environment, brdf: BRDF, rm: ReflectionMap, mesh: Mesh, camera: Camera, count: int
-) -> float:
-    """Relative RMS error of a map at points of an object that the camera sees, colours pooled."""
+def seen(mesh: Mesh, camera: Camera, count: int) -> Frames:
+    """Return points of an object that a camera sees, uniform in its picture."""
     rng = np.random.default_rng(20020721)
     width, height = PANEL
-    normals, views, tangents = [], [], []
-    seen = 0
-    while seen < count:
+    found: list[FloatArray] = []  # (3, n, 3) each
+    while sum(frames.shape[1] for frames in found) < count:
         columns, lines = rng.uniform(0, (width, height), (count, 2)).T
         origins, directions = camera.rays(columns, lines, width, height)
         hits = mesh.intersect(origins, directions)
-        hit = np.isfinite(hits.distances)
         assert hits.tangents is not None  # the mesh has a field of its own
-        normals.append(hits.normals[hit])
-        views.append(-directions[hit])
-        tangents.append(hits.tangents[hit])
-        seen += int(hit.sum())
-    N, V, T = (np.concatenate(some)[:count].astype(np.float32) for some in (normals, views, tangents))
-    exact = prefilter_angular(light, brdf).radiance(N, V, T).astype(np.float64)
-    missed = rm.radiance(N, V, T) - exact
-    return float(np.sqrt(np.sum(missed**2) / np.sum(exact**2)))
+        hit = np.isfinite(hits.distances)
+        found.append(np.stack([hits.normals, -directions, hits.tangents])[:, hit])
+    return Frames(*np.concatenate(found, axis=1)[:, :count])
+
+
+def relative_error(rm: Reflection, exact: Reflection, frames: Frames) -> float:
+    """Relative RMS error of a map, colours pooled."""
+    wanted = frames.radiance(exact)
+    return float(np.sqrt(np.sum((frames.radiance(rm) - wanted) ** 2) / np.sum(wanted**2)))
 
 
 def _milliseconds(light: Environment, brdf: BRDF, rm: ReflectionMap) -> float:

@@ -2,8 +2,8 @@
 
 The paper has the 61 materials of CUReT. Here are the published fits to the MERL database and to single
 measured materials (`fits`), the files of measurements of a folder, if one is given, and the built-in models:
-about the reflection, diffuse and glossy parts together [RH02 footnote 6], and about the lobe centre. What no P
-holds at F = 30 is too sharp for that F.
+about the reflection, diffuse and glossy parts together [RH02 footnote 6], and about the lobe centre. What no
+P holds at F = 30 is too sharp for that F.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def make(settings: Settings) -> Result:
             for name, materials in classes.items()
             for material in materials
         ],
-        [*_NOTES, *_exceptions(found), *([] if files else [_WITHOUT_FILES])],
+        [*_NOTES, *exceptions(found), *([] if files else [_WITHOUT_FILES])],
         _draw(found),
         summary=(_COUNTED, [*_counts(found), _PAPER]),
     )
@@ -127,7 +127,7 @@ def measured(folder: Path | None) -> dict[str, BRDF]:
 
 def grouped(materials: Iterable[Accuracy]) -> dict[str, list[Accuracy]]:
     """Materials by class, as `CLASSES` has them, in each from the least accurate to the most."""
-    classes: dict[str, list[Accuracy]] = {name: [] for name in (*CLASSES, "other")}
+    classes: dict[str, list[Accuracy]] = {name: [] for name in (*CLASSES, "")}
     for material in sorted(materials, key=lambda material: material.by_order["reflection"][-1]):
         classes[class_of(material.name)].append(material)
     return {name: many for name, many in classes.items() if many}
@@ -157,7 +157,7 @@ def _reaching(materials: Sequence[Accuracy], center: Center) -> int:
     return sum(material.reaches(center) for material in materials)
 
 
-def _exceptions(found: Found) -> list[str]:
+def exceptions(found: Found) -> list[str]:
     """Wide lobes that miss 90% about a centre, and where their energy is."""
     missing = [
         (source, material)
@@ -170,18 +170,18 @@ def _exceptions(found: Found) -> list[str]:
         return []
     least = min(max(material.below_grazing.values()) for _, material in missing)
     lines = [
-        f"Of the materials with a half-energy angle over {WIDE:g} degrees {len(missing)} miss 90% about R or the "
-        f"lobe. What they miss is at grazing views: to {GRAZING:g} degrees the same F and P hold {least:.0%} or "
-        "more about one of both. Beyond, their lobe is another one, narrow and bright, by which they are like the "
-        "near-mirrors:"
+        f"Of the materials with a half-energy angle over {WIDE:g} degrees {len(missing)} miss 90% about R "
+        "or about the lobe. What they miss is at grazing views: to "
+        f"{GRAZING:g} degrees the same F and P hold {least:.0%} or more about one of both. Beyond, a narrow "
+        "and bright lobe takes the place of the wide one, as near-mirrors have it:"
     ]
     for source, this in missing:
         about = ", ".join(f"{this.by_order[c][-1]:.3f} about {text}" for c, text in CENTERS.items())
         below = ", ".join(f"{this.below_grazing[c]:.3f}" for c in CENTERS)
         lines.append(
             f"{this.name} ({source}): {about}, to {GRAZING:g} degrees {below}; half-energy angle "
-            f"{this.half:.0f} degrees, of views beyond {GRAZING:g} alone {this.half_grazing:.1f}; degrees above "
-            f"{F} hold {1 - this.every_order:.3f}."
+            f"{this.half:.0f} degrees, of views beyond {GRAZING:g} alone {this.half_grazing:.1f}; degrees "
+            f"above {F} hold {1 - this.every_order:.3f}."
         )
     return lines
 

@@ -54,5 +54,5 @@ CLASSES: Mapping[str, tuple[str, ...]] = {
 
 
 def class_of(name: str) -> str:
-    """Return the class of a material; "other" for names that are not MERL's."""
-    return next((found for found, names in CLASSES.items() if name in names), "other")
+    """Return the class of a material; "" for names that are not MERL's."""
+    return next((found for found, names in CLASSES.items() if name in names), "")
