@@ -23,6 +23,8 @@ from shrm.brdf.measured.material import BoolArray, Extrapolate
 SHAPE = (46, 91, 37)
 """Nodes in theta_h, theta_d and phi_d."""
 
+_BLOCK = 16384  # nodes evaluated at once: a fit's basis functions there take 7 MB, not 70
+
 Function = Callable[[FloatArray, FloatArray], FloatArray]
 Covers = Callable[[FloatArray, FloatArray], BoolArray]
 
@@ -45,8 +47,12 @@ def resampled(brdf: Function, covers: Covers, extrapolate: Extrapolate) -> Funct
     callable
         wi, wo, (n, 3) float64 above the horizon, to rho_hat (n, 3) float64, with the cosine in it.
     """
-    values = brdf(*half_angle_nodes(SHAPE)).reshape(*SHAPE, 3)
-    table = AngleTable(np.ascontiguousarray(values, np.float32), "half-angle", "ends", "square-root")
+    wi, wo = half_angle_nodes(SHAPE)
+    values = np.empty((len(wi), 3), np.float32)
+    for start in range(0, len(wi), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        values[block] = brdf(wi[block], wo[block])
+    table = AngleTable(values.reshape(*SHAPE, 3), "half-angle", "ends", "square-root")
 
     def function(wi: FloatArray, wo: FloatArray) -> FloatArray:
         result = table(wi, wo)
