@@ -8,7 +8,7 @@ A table stands between two markers, and the first says which it is:
 
 Names are groups of the benchmarks, whose rows say time, error and share of the machine's limit, or one of
 `machine` (its limits), `kernels`, `beside the prototype`, `Fourier`, `methods`, `crossover`,
-`transfer methods`, `transfer precomputation` and `lighting`.
+`transfer methods`, `transfer precomputation`, `lighting` and `measured`.
 """
 
 import json
@@ -244,7 +244,33 @@ def lighting(results: Results) -> list[str]:
     return markdown(heads, rows)
 
 
+def measured_materials(results: Results) -> list[str]:
+    """Return real files of measurements: what they take, and their errors, measured by predicted."""
+    found = of_group(results, "measured")[0]["extra_info"]["rows"]
+    lights = list(found[0]["lights"])
+    heads = ["material", "reading", "preparing", "memory", "prefiltering", "by GGX"]
+    rows = []
+    for row in found:
+        under = [row["lights"][name] for name in lights]
+        seconds, analytic = (sum(one[key] for one in under) / len(under) for key in ("seconds", "analytic"))
+        rows.append(
+            [
+                row["material"],
+                *(milliseconds(1e3 * row[key]) for key in ("reading", "preparing")),
+                f"{row['bytes'] / 1e6:.0f} MB",
+                milliseconds(1e3 * seconds),
+                f"{seconds / analytic:.2f}",
+                *(
+                    f"{one['F']}, {one['P']}: {100 * one['predicted']:.2g}% / {100 * one['measured']:.2g}%"
+                    for one in under
+                ),
+            ]
+        )
+    return markdown([*heads, *(f"{name}: F, P: predicted / measured" for name in lights)], rows)
+
+
 TABLES = {
+    "measured": measured_materials,
     "lighting": lighting,
     "methods": methods,
     "crossover": crossover,

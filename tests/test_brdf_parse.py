@@ -80,7 +80,7 @@ def test_a_material_of_a_file(tmp_path):
         ("", "expected a material"),
         ("ggx:0.1 +", "expected a material"),
         ("0.2", "expected a material"),
-        ("plastic:0.2", "no material 'plastic'; known are lambert, phong, microfacet, ggx"),
+        ("plastic:0.2", "no material or file 'plastic'; known are lambert, phong, microfacet, ggx"),
         ("ggx", "alpha is missing, it takes alpha, f0=1.0"),
         ("ggx:", "alpha is missing"),
         ("ggx:roughness=0.1", "no parameter 'roughness', it takes alpha, f0=1.0"),
@@ -97,8 +97,8 @@ def test_a_material_of_a_file(tmp_path):
         ("red*ggx:0.1", "a factor must be a number or R/G/B, got 'red'"),
         ("-1*ggx:0.1", "factor must be at least 0"),
         ("*ggx:0.1", "a factor must be"),
-        ("lafortune:skin", "FILE#NAME"),
-        ("lafortune", "FILE#NAME"),
+        ("lafortune:hide", "no material 'hide'; it has bluepaint"),
+        ("lafortune:#skin", "FILE#NAME"),
         ("ggx(0.1", "expected a material"),
     ],
 )
@@ -112,3 +112,14 @@ def test_refusals_are_one_line_and_say_what_is_known(text, message):
 def test_only_text_is_parsed():
     with pytest.raises(TypeError, match="must be a string"):
         brdf.parse(0.2)
+
+
+def test_a_name_that_looks_like_a_file_is_one(tmp_path):
+    for name in ("paint.brdf", "paint.bsdf", "paint.binary", str(tmp_path / "paint")):
+        with pytest.raises(FileNotFoundError):
+            brdf.parse(name)
+    path = tmp_path / "a+b*c.brdf"
+    path.write_text("no measurements")
+    with pytest.raises(ValueError, match="no file of measurements that is known") as caught:
+        brdf.parse(str(path))
+    assert str(caught.value).startswith(str(path))

@@ -8,6 +8,7 @@ namespace shrm::bindings {
 void bind_grid(pybind11::module_& module);
 void bind_sh(pybind11::module_& module);
 void bind_wigner(pybind11::module_& module);
+void bind_measured(pybind11::module_& module);
 void bind_brdf_analysis(pybind11::module_& module);
 void bind_reflection_map(pybind11::module_& module);
 void bind_angular(pybind11::module_& module);
@@ -26,6 +27,7 @@ PYBIND11_MODULE(SHRM_MODULE, module) {
     bind_grid(module);
     bind_sh(module);
     bind_wigner(module);
+    bind_measured(module);
     bind_brdf_analysis(module);
     bind_reflection_map(module);
     bind_angular(module);

@@ -42,6 +42,9 @@
 //   Mathematics
 //   [VMK88]    D. Varshalovich, A. Moskalev, V. Khersonskii. Quantum Theory of Angular
 //              Momentum. World Scientific, 1988.
+//   [D77]      J. Duchon. Splines Minimizing Rotation-Invariant Semi-Norms in Sobolev Spaces.
+//              Constructive Theory of Functions of Several Variables, 1977.
+//   [W04]      H. Wendland. Scattered Data Approximation. Cambridge University Press, 2004.
 //   [W06]      J. Waldvogel. Fast Construction of the Fejer and Clenshaw-Curtis Quadrature
 //              Rules. BIT 46, 2006.
 //   [S67]      R. Sinkhorn. Diagonal Equivalence to Matrices with Prescribed Row and Column
@@ -63,8 +66,24 @@
 //              EGWR 1998.
 //   [WMLT07]   B. Walter, S. Marschner, H. Li, K. Torrance. Microfacet Models for Refraction
 //              through Rough Surfaces. EGSR 2007.
+//   [LKYU12]   J. Löw, J. Kronander, A. Ynnerman, J. Unger. BRDF Models for Accurate and Efficient
+//              Rendering of Glossy Surfaces. ACM TOG 31(1), 2012.
+//   [BSH12]    M. Bagher, C. Soler, N. Holzschuch. Accurate Fitting of Measured Reflectances Using
+//              a Shifted Gamma Micro-facet Distribution. Computer Graphics Forum 31(4), 2012.
 //   [AP07]     M. Ashikhmin, S. Premoze. Distribution-based BRDFs. Technical report, University
 //              of Utah, 2007.
+//   [DJ18]     J. Dupuy, W. Jakob. An Adaptive Parameterization for Efficient Material Acquisition
+//              and Rendering. ACM TOG 37(6), 2018.
+//   [MPBM03]   W. Matusik, H. Pfister, M. Brand, L. McMillan. A Data-Driven Reflectance Model.
+//              ACM TOG 22(3), 2003.
+//   [DGNK99]   K. J. Dana, B. van Ginneken, S. K. Nayar, J. J. Koenderink. Reflectance and
+//              Texture of Real-World Surfaces. ACM TOG 18(1), 1999.
+//   [KD98]     J. J. Koenderink, A. J. van Doorn. Phenomenological Description of Bidirectional
+//              Surface Reflection. JOSA A 15(11), 1998.
+//   [BBP14]    L. Belcour, P. Barla, R. Pacanowski. ALTA: A BRDF Analysis Library. Workshop on
+//              Material Appearance Modeling, 2014.
+//   [PH10]     M. Pharr, G. Humphreys. Physically Based Rendering, 2nd edition. Morgan
+//              Kaufmann, 2010.
 //   [AS00]     M. Ashikhmin, P. Shirley. An Anisotropic Phong BRDF Model. Journal of Graphics
 //              Tools 5(2), 2000.
 //   [H14]      E. Heitz. Understanding the Masking-Shadowing Function in Microfacet-Based
@@ -73,6 +92,7 @@
 //              SIGGRAPH 1999.
 //   [WSS13]    C. Wyman, P.-P. Sloan, P. Shirley. Simple Analytic Approximations to the CIE
 //              XYZ Color Matching Functions. JCGT 2(2), 2013.
+//   [CIE15]    CIE 15:2004. Colorimetry, 3rd edition. Vienna, 2004.
 //   [SMPTE177] SMPTE RP 177. Derivation of Basic Television Color Equations, 1993.
 //   [Lam85]    K. M. Lam. Metamerism and Colour Constancy. PhD thesis, Bradford, 1985.
 //   [BT709]    ITU-R Recommendation BT.709-6, 2015.
@@ -87,6 +107,7 @@
 //   analysis        light: from a lat-long picture to coefficients L_lm
 //   wigner          small-d recurrences, Clebsch-Gordan
 //   rotation        rotation of coefficients
+//   angle_table, adaptive_parameterization   materials measured in tables
 //   brdf_analysis   material: the transfer function's coefficients rho_lpq
 //   map_coefficients  the product of both: the coefficients of the reflection map's own maps
 //   synthesis       from coefficients to maps, on a lat-long grid
@@ -115,6 +136,7 @@
 //                   views    where vertices see the eye, in their frames and between samples
 //                   rows     products of rows and light in vectors
 //                   tents, compressed, earlier   the methods
+//   direction_pairs, direction_lanes   many pairs of directions, eight at a time
 //   simd            vectors of the instruction set that a file is compiled for
 //   stream          stores of what is larger than the caches
 #pragma once

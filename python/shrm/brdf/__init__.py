@@ -11,11 +11,16 @@ function of (wi, wo).
     miller_heidrich                                            about normal and reflection
     kajiya_kay    banks                                        about the tangent
     ashikhmin_shirley    anisotropic_ggx                       anisotropic: for matrix radiance transfer
+    abc_model    sgd                                            about the lobe centre: those of published
+    fits                                                        fits to measured materials, by name
+    measured/     from files of measurements
     function      from a Python function, about any of them
     parse         materials from text, for the command line
     albedo        directional albedo by quadrature
 """
 
+from shrm.brdf import fits
+from shrm.brdf.abc_model import ABC
 from shrm.brdf.albedo import directional_albedo
 from shrm.brdf.anisotropic_ggx import AnisotropicGGX
 from shrm.brdf.ashikhmin_shirley import AshikhminShirley
@@ -36,15 +41,19 @@ from shrm.brdf.lobe import (
     RadialLobe,
     ZonalLobe,
 )
+from shrm.brdf.measured import Measured, MeasurementError, load
 from shrm.brdf.microfacet import Microfacet
 from shrm.brdf.miller_heidrich import MillerHeidrich
-from shrm.brdf.parse import parse
+from shrm.brdf.parse import filled, parse
 from shrm.brdf.phong import Phong
+from shrm.brdf.sgd import SGD
 from shrm.brdf.tabulated import Tabulated
 
 __all__ = [
+    "ABC",
     "BRDF",
     "GGX",
+    "SGD",
     "AnisotropicGGX",
     "AnisotropicLobe",
     "AshikhminShirley",
@@ -57,6 +66,8 @@ __all__ = [
     "Lambert",
     "Lobe",
     "Material",
+    "Measured",
+    "MeasurementError",
     "Microfacet",
     "MillerHeidrich",
     "Phong",
@@ -64,6 +75,9 @@ __all__ = [
     "Tabulated",
     "ZonalLobe",
     "directional_albedo",
+    "filled",
+    "fits",
     "from_function",
+    "load",
     "parse",
 ]

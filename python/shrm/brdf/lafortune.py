@@ -22,15 +22,15 @@ SIGGRAPH 1997: the model for a diagonal matrix, written out in components.
 
 from __future__ import annotations
 
-import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from shrm.brdf import json_file
 from shrm.brdf.half_vector import above_horizon
 from shrm.brdf.lambert import Lambert
 from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe, Lobe
@@ -109,20 +109,20 @@ class Lafortune(BRDF):
         ValueError
             If it is no such file, or has no material of that name; the text names those it has.
         """
-        try:
-            materials = json.loads(Path(path).read_text(encoding="utf-8"))
-        except (UnicodeDecodeError, json.JSONDecodeError, RecursionError):
-            raise ValueError(f"{path}: not a JSON file of Lafortune coefficients") from None
-        if not isinstance(materials, dict):
-            raise ValueError(f"{path}: must be a JSON object of materials, got {type(materials).__name__}")
-        if name not in materials:
-            raise ValueError(
-                f"{path}: no material {name!r}; it has {', '.join(map(repr, materials)) or 'none'}"
-            )
-        try:
-            return cls(**_coefficients(materials[name]), label=name)
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"{path}: material {name!r}: {error}") from None
+        return json_file.material(
+            path, name, "Lafortune coefficients", lambda found: cls.from_coefficients(found, name)
+        )
+
+    @classmethod
+    def from_coefficients(cls, coefficients: Mapping[str, Any], label: str) -> Lafortune:
+        """Make a material of `diffuse` and, for k = 0, 1, ..., `xyk` (or `xk` and `yk`), `zk` and `ek`.
+
+        Raises
+        ------
+        ValueError
+            If one is missing, or is not what the material takes.
+        """
+        return cls(**_arguments(coefficients), label=label)
 
     @property
     def lobes(self) -> tuple[Lobe, ...]:
@@ -148,15 +148,13 @@ class Lafortune(BRDF):
         return total * cosine
 
 
-def _coefficients(material: object) -> dict[str, Any]:
-    """Arguments of `Lafortune` from one material of the file."""
-    if not isinstance(material, dict):
-        raise ValueError(f"must be a JSON object, got {type(material).__name__}")
+def _arguments(coefficients: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of `Lafortune` from the coefficients of a file."""
     columns: dict[str, list[object]] = {"x": [], "y": [], "z": [], "exponent": []}
-    while (k := len(columns["z"])) == 0 or f"z{k}" in material:
+    while (k := len(columns["z"])) == 0 or f"z{k}" in coefficients:
         for argument, keys in (("x", ("xy", "x")), ("y", ("xy", "y")), ("z", ("z",)), ("exponent", ("e",))):
-            found = [f"{key}{k}" for key in keys if f"{key}{k}" in material]
+            found = [f"{key}{k}" for key in keys if f"{key}{k}" in coefficients]
             if not found:
                 raise ValueError(f"{' or '.join(f'{key}{k}' for key in keys)} is missing")
-            columns[argument].append(material[found[0]])
-    return {**columns, "diffuse": material.get("diffuse", 0.0)}
+            columns[argument].append(coefficients[found[0]])
+    return {**columns, "diffuse": coefficients.get("diffuse", 0.0)}

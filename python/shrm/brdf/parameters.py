@@ -4,7 +4,15 @@ Every model checks its parameters (see `shrm.validation`) when it is made, so th
 guards against them later.
 """
 
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import TYPE_CHECKING
+
 from shrm.validation import RGB
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 # Narrower lobes are mirrors to every environment map (an arc second is 5e-6 radians), and below
 # this 1 / alpha^2 approaches the largest numbers that leave room for products of two of them.
@@ -17,3 +25,9 @@ def text(value: float | RGB) -> str:
         return "/".join(text(channel) for channel in value)
     short = f"{value:g}"
     return short if float(short) == value else repr(value)
+
+
+def named(material: DataclassInstance, name: str) -> str:
+    """Write a model and its parameters as `parse` reads it: 'abc(kD=0.1,...)'."""
+    values = ((each.name, getattr(material, each.name)) for each in fields(material) if not each.kw_only)
+    return f"{name}({','.join(f'{key}={text(value)}' for key, value in values)})"

@@ -8,18 +8,26 @@
     microfacet:0.2
     ggx:alpha=0.1,f0=1.0/0.8/0.3
     0.5*lambert:0.8 + ggx:0.2
-    lafortune:skin.json#skin          material "skin" of a file of coefficients
+    merl-abc:blue-metallic-paint      a published fit by its name: merl-abc, merl-sgd, lafortune
+    lafortune:mine.json#skin          material "skin" of a file of fits: abc, sgd, lafortune
+    krylon_blue.brdf                  a file of measurements, see `shrm.brdf.load`
+    krylon_blue.brdf:extrapolate=zero black where it has none; by default nearest
+    kp8.dat:sample=12                 of a file of several samples, CUReT's
 
-The name of every analytic material, such as "ggx(alpha=0.1)", is such a text. (A file whose path
-contains "+" or "*" cannot be written here: use `Lafortune.read`.)
+The name of every analytic material and every published fit, such as "ggx(alpha=0.1)", is such a text. (In
+sums and products the path of a file cannot contain "+" or "*".)
 """
 
 from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NamedTuple
 
+from shrm.brdf import fits
+from shrm.brdf.abc_model import ABC
 from shrm.brdf.anisotropic_ggx import AnisotropicGGX
 from shrm.brdf.ashikhmin_shirley import AshikhminShirley
 from shrm.brdf.banks import Banks
@@ -29,9 +37,11 @@ from shrm.brdf.kajiya_kay import KajiyaKay
 from shrm.brdf.lafortune import Lafortune
 from shrm.brdf.lambert import Lambert
 from shrm.brdf.lobe import BRDF
+from shrm.brdf.measured import Extrapolate, load
 from shrm.brdf.microfacet import Microfacet
 from shrm.brdf.miller_heidrich import MillerHeidrich
 from shrm.brdf.phong import Phong
+from shrm.brdf.sgd import SGD
 from shrm.validation import RGB
 
 MODELS: Mapping[str, type[BRDF]] = {
@@ -40,13 +50,21 @@ MODELS: Mapping[str, type[BRDF]] = {
     "microfacet": Microfacet,
     "ggx": GGX,
     "beckmann": Beckmann,
-    "lafortune": Lafortune,
     "miller-heidrich": MillerHeidrich,
     "kajiya-kay": KajiyaKay,
     "banks": Banks,
     "ashikhmin-shirley": AshikhminShirley,
     "anisotropic-ggx": AnisotropicGGX,
+    "abc": ABC,
+    "sgd": SGD,
 }
+
+FILES: Mapping[str, Callable[[str, str], BRDF]] = {
+    "lafortune": Lafortune.read,
+    "abc": ABC.read,
+    "sgd": SGD.read,
+}
+"""What reads a material of a file of fits, FILE#NAME."""
 
 _TERM = re.compile(r"(?P<name>[A-Za-z][\w-]*)\s*(?::(?P<after>.*)|\((?P<within>.*)\))?", re.DOTALL)
 _PLUS = re.compile(r"(?<![\d.][eE])\+")  # not the plus of 1e+3
@@ -61,28 +79,44 @@ def parse(text: str) -> BRDF:
         If `text` is not a string.
     ValueError
         If it names no known model, or arguments that the model does not take or that are out of
-        range; the text lists the known ones.
+        range; the text lists the known ones. If it names a file that holds something else.
     OSError
         If it names a file that cannot be read.
     """
     if not isinstance(text, str):
         raise TypeError(f"a material's text must be a string, got {text!r}")
+    if (file := _file(text)) is not None:  # whose path may contain + and *
+        return file.load()
     first, *others = (_term(term.strip(), text) for term in _PLUS.split(text))
     return sum(others, start=first)
 
 
+def filled(text: str, extrapolate: Extrapolate) -> str:
+    """Return the text of the same material with its files of measurements filled so.
+
+    Parameters
+    ----------
+    text : str
+        As `parse` reads it; files that say themselves how they are filled keep it.
+    extrapolate : {"nearest", "zero"}
+        See `shrm.brdf.load`.
+    """
+
+    def whole(file: _File) -> str:
+        return file._replace(extrapolate=file.extrapolate or extrapolate).text
+
+    def term(text: str) -> str:
+        *factors, rest = (part.strip() for part in text.split("*"))
+        file = _file(rest)
+        return "*".join([*factors, rest if file is None else whole(file)])
+
+    file = _file(text)
+    return " + ".join(map(term, _PLUS.split(text))) if file is None else whole(file)
+
+
 def _term(term: str, text: str) -> BRDF:
     *factors, rest = (part.strip() for part in term.split("*"))
-    match = _TERM.fullmatch(rest)
-    if match is None:
-        raise ValueError(
-            f"{text!r}: expected a material such as ggx:0.1 at {rest!r}; known are {', '.join(MODELS)}"
-        )
-    name = match["name"].lower()
-    if name not in MODELS:
-        raise ValueError(f"{text!r}: no material {match['name']!r}; known are {', '.join(MODELS)}")
-    arguments = (match["after"] or match["within"] or "").strip()
-    material = _lafortune(arguments) if name == "lafortune" else _model(name, arguments)
+    material = _factorless(rest, text)
     for factor in reversed(factors):
         weight = _number_or_rgb(factor)
         if weight is None:
@@ -91,9 +125,82 @@ def _term(term: str, text: str) -> BRDF:
     return material
 
 
+def _factorless(term: str, text: str) -> BRDF:
+    if (file := _file(term)) is not None:
+        return file.load()
+    match = _TERM.fullmatch(term)
+    known = ", ".join(dict.fromkeys([*MODELS, *fits.MAKERS]))
+    if match is None:
+        raise ValueError(
+            f"{text!r}: expected a material such as ggx:0.1, or a file of measurements, at {term!r}; "
+            f"known are {known}"
+        )
+    name, arguments = match["name"].lower(), (match["after"] or match["within"] or "").strip()
+    path, hash_sign, material = arguments.rpartition("#")
+    if name in FILES and hash_sign:
+        if not (path and material):
+            raise ValueError(f"{name}: needs a file and a material in it, FILE#NAME, got {arguments!r}")
+        return FILES[name](path, material)
+    if name in fits.MAKERS:
+        if not arguments:
+            raise ValueError(f"{name}: needs the name of a material; it has {', '.join(fits.names(name))}")
+        return fits.fit(name, arguments)
+    if name in MODELS:
+        return _model(name, arguments)
+    raise ValueError(f"{text!r}: no material or file {match['name']!r}; known are {known}")
+
+
+SUFFIXES = (".brdf", ".bsdf", ".binary", ".alta")
+"""Of names that are files, though none is there."""
+
+_FILE = re.compile(r"(?P<path>.+?)(?P<with>[:(](?:(?:extrapolate|sample)=[^,)]*,?)+\)?)?", re.DOTALL)
+
+
+class _File(NamedTuple):
+    """A file of measurements, how it is filled, and the number of a sample in it."""
+
+    path: str
+    extrapolate: str | None
+    sample: str | None
+
+    def load(self) -> BRDF:
+        sample = self.sample
+        if sample is not None and not (sample.isascii() and sample.isdigit()):
+            raise ValueError(f"{self.path}: sample must be a whole number, got {sample!r}")
+        return load(
+            self.path,
+            extrapolate=self.extrapolate or "nearest",  # type: ignore[arg-type]
+            sample=None if sample is None else int(sample),
+        )
+
+    @property
+    def text(self) -> str:
+        given = {"sample": self.sample, "extrapolate": self.extrapolate}
+        arguments = ",".join(f"{key}={value}" for key, value in given.items() if value is not None)
+        return f"{self.path}:{arguments}" if arguments else self.path
+
+
+def _file(term: str) -> _File | None:
+    """Return the file that a text names, or None: one that is there, or a name that is nothing else."""
+    match = _FILE.fullmatch(term)
+    if match is None:
+        return None
+    path = match["path"]
+    try:
+        there = Path(path).is_file()
+    except (OSError, ValueError):  # too long for a path, or with a zero in it
+        return None
+    alone = not _PLUS.search(path) and "*" not in path
+    a_name = "/" in re.split("[:(]", path)[0] or Path(path).suffix.lower() in SUFFIXES
+    if not (there or (alone and a_name)):
+        return None
+    arguments = dict(re.findall(r"(extrapolate|sample)=([^,)]*)", match["with"] or ""))
+    return _File(path, arguments.get("extrapolate"), arguments.get("sample"))
+
+
 def _model(name: str, arguments: str) -> BRDF:
     """A material whose arguments are its class's parameters."""
-    fields = dataclasses.fields(MODELS[name])  # type: ignore[arg-type]
+    fields = _fields(name)
     names = [field.name for field in fields]
     values: dict[str, float | RGB | str] = {}
     for position, argument in enumerate(arguments.split(",") if arguments else []):
@@ -119,13 +226,6 @@ def _model(name: str, arguments: str) -> BRDF:
         raise ValueError(str(error)) from None
 
 
-def _lafortune(arguments: str) -> BRDF:
-    path, hash_sign, material = arguments.rpartition("#")
-    if not (hash_sign and path and material):
-        raise ValueError(f"lafortune: needs a file and a material in it, FILE#NAME, got {arguments!r}")
-    return Lafortune.read(path, material)
-
-
 def _number_or_rgb(text: str) -> float | RGB | None:
     """A number, three separated by slashes, or None if the text is neither."""
     parts = text.split("/")
@@ -142,5 +242,11 @@ def _signature(name: str) -> str:
     """The parameters of a model as text: 'alpha, f0=1'."""
     return ", ".join(
         field.name if field.default is dataclasses.MISSING else f"{field.name}={field.default}"
-        for field in dataclasses.fields(MODELS[name])  # type: ignore[arg-type]
+        for field in _fields(name)
     )
+
+
+def _fields(name: str) -> list[dataclasses.Field[object]]:
+    """A model's parameters, without what can be given by keyword alone: its label."""
+    every = dataclasses.fields(MODELS[name])  # type: ignore[arg-type]
+    return [field for field in every if not field.kw_only]

@@ -2,23 +2,36 @@
 
 An environment: its size, its range, its mean radiance, and how its energy is spread over the
 degrees of spherical harmonics. A reflection map: its material, orders and error. An object with transfer:
-its material, what its file keeps and how accurate that is. A material: its lobes, its albedo, the orders that
-it needs.
+its material, what its file keeps and how accurate that is. A material: its lobes, its albedo, the orders
+that it needs; if it was measured, how far it is from reciprocal, whether it reflects more than it receives,
+and where there are no data. With --plot, a picture of the material: its lobes, its spectrum, what orders
+capture of it, and a sphere lit by the environment.
 """
 
 from __future__ import annotations
 
 import argparse
+import io
+import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shrm.cli.console import progress
-from shrm.cli.options import add_environment, parse_brdf, read_environment
+from shrm.cli.options import (
+    DAYLIGHT_AZIMUTH,
+    MATERIAL,
+    add_environment,
+    add_extrapolate,
+    material_text,
+    parse_brdf,
+    read_environment,
+)
 
 if TYPE_CHECKING:
-    from shrm.brdf import BRDF
+    from shrm.brdf import BRDF, Measured
     from shrm.environment import Environment
 
-EXAMPLE = "shrm info grace.hdr    or    shrm info --brdf ggx:0.1"
+EXAMPLE = "shrm info grace.hdr    or    shrm info --brdf krylon_blue.brdf --plot krylon.png"
 
 DEGREES = 60  # of the spectrum that are looked at
 
@@ -26,26 +39,69 @@ DEGREES = 60  # of the spectrum that are looked at
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     add_environment(command, optional=True, layout_flags=("--layout", "--env-layout"))
-    command.add_argument("--brdf", metavar="B", help="a material, such as microfacet:0.2")
+    command.add_argument("--brdf", metavar="B", help=MATERIAL)
+    add_extrapolate(command)
+    command.add_argument("--plot", type=picture, metavar="FILE", help="picture of the material, .png")
+
+
+def picture(text: str) -> Path:
+    """Read the name of a picture."""
+    if not text.lower().endswith(".png"):
+        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name that ends in .png")
+    return Path(text)
 
 
 def run(options: argparse.Namespace) -> None:
     """Print what is asked for."""
+    if options.env is not None and is_measured(options.env):
+        if options.brdf is not None:
+            raise argparse.ArgumentError(None, f"{options.env} is a material itself: it goes without --brdf")
+        options.env, options.brdf = None, options.env
     if options.env is None and options.brdf is None:
-        raise argparse.ArgumentError(None, "needs an environment or --brdf")
+        raise argparse.ArgumentError(None, "needs an environment, a file of measurements or --brdf")
+    if options.plot is not None and options.brdf is None:
+        raise argparse.ArgumentError(None, "argument --plot: is of a material, and needs --brdf")
+    env = None
     if options.env is not None and is_reflection_map(options.env):
         print(options.env, *map_lines(options.env), sep="\n")
     elif options.env is not None and is_transfer(options.env):
         print(options.env, *transfer_lines(options.env), sep="\n")
     elif options.env is not None:
         with progress("Reading the environment"):
-            lines = environment_lines(read_environment(options))
+            env = read_environment(options)
+            lines = environment_lines(env)
         print(options.env, *lines, sep="\n")
     if options.brdf is not None:
-        brdf = parse_brdf(options.brdf)
+        brdf = parse_brdf(material_text(options, options.brdf))
         with progress("Looking at the material"):
             lines = material_lines(brdf)
         print(brdf.name, *lines, sep="\n")
+        if options.plot is not None:
+            plot(options.plot, brdf, env, "daylight" if env is None else Path(options.env).stem)
+
+
+def is_measured(path: str) -> bool:
+    """Whether a file is one of measurements."""
+    from shrm.brdf import measured
+
+    try:
+        return measured.recognised(Path(path)) is not None
+    except OSError:
+        return False  # reading it as an environment says what is wrong
+
+
+def plot(path: Path, brdf: BRDF, env: Environment | None, env_name: str) -> None:
+    """Write the picture of a material."""
+    from shrm.environment import Environment
+    from shrm.material_figure import material_figure
+    from shrm.reproduce.result import write_whole
+
+    with progress("Drawing the material"):
+        light = Environment.daylight(sun_azimuth=DAYLIGHT_AZIMUTH) if env is None else env
+        drawn = io.BytesIO()
+        material_figure(brdf, light, env_name).savefig(drawn, format="png", dpi=110)
+        write_whole(path, drawn.getvalue())
+    print(path)
 
 
 def is_reflection_map(path: str) -> bool:
@@ -147,17 +203,21 @@ def material_lines(brdf: BRDF) -> list[str]:
     import numpy as np
 
     from shrm import orders
-    from shrm.brdf import Material, directional_albedo
+    from shrm.brdf import Material, Measured, directional_albedo
 
+    measured = measured_lines(brdf) if isinstance(brdf, Measured) else []
     angles = (0, 30, 60, 80)
-    albedo = directional_albedo(brdf, np.cos(np.radians(angles)))
+    with warnings.catch_warnings():  # three digits are shown
+        warnings.simplefilter("ignore", RuntimeWarning)
+        albedo = directional_albedo(brdf, np.cos(np.radians(angles)))
     lines = [
+        *measured,
         "  albedo         "
         + ", ".join(
             " ".join(f"{value:.3g}" for value in values) + f" at {angle}"
             for angle, values in zip(angles, albedo, strict=True)
         )
-        + "  (degrees of the view)"
+        + "  (degrees of the view)",
     ]
     for index, lobe in enumerate(brdf.lobes, start=1):
         if lobe.kind == "anisotropic":
@@ -169,3 +229,23 @@ def material_lines(brdf: BRDF) -> list[str]:
             f" for {1.0 - found.error:.1%} of its energy"
         )
     return lines
+
+
+def measured_lines(brdf: Measured) -> list[str]:
+    """What is to be known of measurements, a line for each fact."""
+    import numpy as np
+
+    from shrm.measurement_quality import quality
+
+    found = quality(brdf)
+    largest, view = found.largest_albedo
+    filled = {"nearest": "the nearest value", "zero": "nothing"}[brdf.extrapolate]
+    return [
+        f"  source         {brdf.source}",
+        *(f"  note           {note}" for note in brdf.notes),
+        f"  reciprocity    f(L, V) and f(V, L) differ by {found.reciprocity_error:.1%} (mean)",
+        f"  largest albedo {largest:.3g} at {np.degrees(view):.0f} degrees"
+        + (": more than it receives" if largest > 1.0 else ""),
+        f"  data           for {found.covered:.1%} of all pairs of directions, to"
+        f" {np.degrees(found.covered_to):.0f} degrees; elsewhere {filled}",
+    ]

@@ -191,6 +191,28 @@ def add_output(command: argparse.ArgumentParser, *suffixes: str) -> None:
     command.add_argument("-o", "--output", type=file, required=True, metavar="FILE", help=f"{known} to write")
 
 
+MATERIAL = "a material, such as microfacet:0.2 or merl-sgd:brass, or a file of measurements"
+"""What --brdf takes."""
+
+
+def add_extrapolate(command: argparse.ArgumentParser) -> None:
+    """Add --extrapolate."""
+    command.add_argument(
+        "--extrapolate",
+        choices=("nearest", "zero"),
+        default="nearest",
+        help="what files of measurements have at grazing angles, and wherever they have no data: the nearest"
+        " value (default), or nothing",
+    )
+
+
+def material_text(options: argparse.Namespace, text: str) -> str:
+    """Return a material's text, its files of measurements filled as the options say."""
+    from shrm import brdf
+
+    return text if options.extrapolate == "nearest" else brdf.filled(text, options.extrapolate)
+
+
 def parse_brdf(text: str) -> BRDF:
     """Read a material's text; a wrong one is a fault of the command line.
 
@@ -198,11 +220,15 @@ def parse_brdf(text: str) -> BRDF:
     ------
     argparse.ArgumentError
         If the text does not describe a material.
+    MeasurementError
+        If it names a file of measurements that is none, or damaged.
     """
     from shrm import brdf
 
     try:
         return brdf.parse(text)
+    except brdf.MeasurementError:
+        raise
     except ValueError as fault:
         raise argparse.ArgumentError(None, f"argument --brdf: {fault}") from None
 

@@ -12,11 +12,14 @@ from typing import TYPE_CHECKING
 
 from shrm.cli.console import progress
 from shrm.cli.options import (
+    MATERIAL,
     TECHNIQUES,
     add_environment,
+    add_extrapolate,
     add_orders,
     add_output,
     add_residual,
+    material_text,
     orders,
     parse_brdf,
     read_environment,
@@ -33,7 +36,8 @@ EXAMPLE = "shrm prefilter grace.hdr --brdf ggx:alpha=0.2,f0=0.04 --tolerance 0.0
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     add_environment(command, layout_flags=("--env-layout",))
-    command.add_argument("--brdf", required=True, metavar="B", help="material, such as microfacet:0.2")
+    command.add_argument("--brdf", required=True, metavar="B", help=MATERIAL)
+    add_extrapolate(command)
     add_orders(command)
     add_residual(command)
     command.add_argument("--size", type=whole, metavar="N", help="rows of the map (default: from the orders)")
@@ -82,7 +86,7 @@ def run(options: argparse.Namespace) -> None:
         raise argparse.ArgumentError(None, "argument --max-orders: not allowed with argument --orders")
     if options.residual is not None and (options.criterion != "light" or options.window is not None):
         raise argparse.ArgumentError(None, "argument --residual: is for --criterion light without a --window")
-    brdf = parse_brdf(options.brdf)
+    brdf = parse_brdf(material_text(options, options.brdf))
     F_max, P_max = options.max_orders or (F_MAX, P_MAX)
     with progress("Reading the environment"):
         env = read_environment(options)

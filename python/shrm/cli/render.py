@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING
 
 from shrm.cli.console import progress
 from shrm.cli.options import (
+    MATERIAL,
     TECHNIQUES,
     add_environment,
+    add_extrapolate,
     add_orders,
     add_output,
     add_residual,
@@ -26,6 +28,7 @@ from shrm.cli.options import (
     degrees,
     extent,
     flag,
+    material_text,
     number,
     of_transfer,
     orders,
@@ -64,8 +67,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         action="append",
         type=lambda text: ("brdf", text),
         metavar="B",
-        help="material; repeat for a row of objects",
+        help=f"{MATERIAL}; repeat for a row of objects",
     )
+    add_extrapolate(command)
     add(
         "--map",
         dest="row",
@@ -175,7 +179,10 @@ def run(options: argparse.Namespace) -> None:
             "a --turntable of the light turns reflection maps that it makes: it needs a --brdf for each, and"
             " --method shrm",
         )
-    row = [saved(text) if kind == "map" else parse_brdf(text) for kind, text in options.row]
+    row = [
+        saved(text) if kind == "map" else parse_brdf(material_text(options, text))
+        for kind, text in options.row
+    ]
     write(MaterialStage(row, options), options)
 
 

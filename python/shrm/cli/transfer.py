@@ -13,7 +13,16 @@ import time
 from typing import TYPE_CHECKING
 
 from shrm.cli.console import stages
-from shrm.cli.options import add_output, add_tangents, number, parse_brdf, read_mesh, whole
+from shrm.cli.options import (
+    add_extrapolate,
+    add_output,
+    add_tangents,
+    material_text,
+    number,
+    parse_brdf,
+    read_mesh,
+    whole,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,8 +45,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         action="append",
         required=True,
         metavar="B",
-        help="material, such as ashikhmin-shirley:nu=40,nv=10; twice with --mask",
+        help="material, such as ashikhmin-shirley:nu=40,nv=10, or a file of measurements; twice with --mask",
     )
+    add_extrapolate(command)
     add(
         "--mask",
         metavar="FILE",
@@ -85,7 +95,7 @@ def run(options: argparse.Namespace) -> None:
     from shrm.transfer import precompute
     from shrm.transfer.precompute import remove_work
 
-    materials = [parse_brdf(text) for text in options.brdf]
+    materials = [parse_brdf(material_text(options, text)) for text in options.brdf]
     if (len(materials) == 2) != (options.mask is not None) or len(materials) > 2:
         raise argparse.ArgumentError(None, "argument --mask: goes with two --brdf, and two --brdf with it")
     if options.no_shadows and options.bounces is not None:

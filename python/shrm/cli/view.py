@@ -14,13 +14,16 @@ import argparse
 from typing import TYPE_CHECKING
 
 from shrm.cli.options import (
+    MATERIAL,
     add_environment,
+    add_extrapolate,
     add_orders,
     add_tangents,
     add_transfer,
     add_viewer,
     extent,
     flag,
+    material_text,
     number,
     of_transfer,
     parse_brdf,
@@ -49,8 +52,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         dest="materials",
         action="append",
         metavar="B",
-        help="material; repeat for a row of objects (default: gold)",
+        help=f"{MATERIAL}; repeat for a row of objects (default: gold)",
     )
+    add_extrapolate(command)
     add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
     add("--up", choices=("y", "z"), help="the mesh file's upward axis (default y)")
     add_tangents(command, default=None)
@@ -99,14 +103,15 @@ def state(options: argparse.Namespace) -> State:
 
     saved = options.state is not None and Path(options.state).exists()
     first = State.load(options.state) if saved else State()
-    for text in options.materials or ():
+    materials = [material_text(options, text) for text in options.materials or ()]
+    for text in materials:
         parse_brdf(text)
     transfer, environment = files(options)
     given = {
         "environment": environment if environment in (None, "daylight") else absolute(environment),
         "layout": options.env_layout,
         "repair": True if options.repair else None,
-        "materials": None if options.materials is None else tuple(options.materials),
+        "materials": None if options.materials is None else tuple(materials),
         "mesh": None if options.mesh is None else absolute(options.mesh),
         "up": options.up,
         "tangents": options.tangents,

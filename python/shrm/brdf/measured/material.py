@@ -23,6 +23,11 @@ Extrapolate = Literal["nearest", "zero"]
 """How directions without data are filled: with the value of the nearest that have some (in the coordinates of
 the file), the default, or with nothing, black."""
 
+
+class MeasurementError(ValueError):
+    """A file of measurements is of no known format, or not as its format has it; one line that names it."""
+
+
 BoolArray = npt.NDArray[np.bool_]
 
 

@@ -1,0 +1,58 @@
+"""Materials of a JSON file: an object of materials by name, each an object of a model's parameters."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+Model = TypeVar("Model")
+
+LARGEST = 64 << 20
+"""Bytes of a file that are read."""
+
+
+def material(
+    path: str | os.PathLike[str], name: str, what: str, make: Callable[[Mapping[str, Any]], Model]
+) -> Model:
+    """Make one material of a file.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    name : str
+        A material in it.
+    what : str
+        What such a file holds, for messages: "Lafortune coefficients".
+    make : callable
+        The parameters of one material to the material.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it is no such file, or has no material of that name; the text names those it has.
+    """
+    if (size := Path(path).stat().st_size) > LARGEST:
+        raise ValueError(f"{path}: not a JSON file of {what}: {size} bytes are over the limit of {LARGEST}")
+    try:
+        materials = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError):
+        raise ValueError(f"{path}: not a JSON file of {what}") from None
+    if not isinstance(materials, dict):
+        raise ValueError(f"{path}: must be a JSON object of materials, got {type(materials).__name__}")
+    if name not in materials:
+        raise ValueError(f"{path}: no material {name!r}; it has {', '.join(map(repr, materials)) or 'none'}")
+    found = materials[name]
+    if not isinstance(found, dict):
+        raise ValueError(f"{path}: material {name!r}: must be a JSON object, got {type(found).__name__}")
+    try:
+        return make(found)
+    except KeyError as missing:
+        raise ValueError(f"{path}: material {name!r}: has no {missing}") from None
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{path}: material {name!r}: {error}") from None

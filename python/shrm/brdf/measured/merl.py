@@ -1,0 +1,184 @@
+"""Materials of the MERL database: .binary, isotropic RGB over half angles [MPBM03].
+
+    int32 (3)                         n_h, n_d, n_phi: 90, 90, 180; little-endian, as all
+    float64 (3, n_h, n_d, n_phi)      red, green, blue, times 1/1500, 1.15/1500, 1.66/1500 the BRDF
+
+An entry is a bin: even in the square root of theta_h, which gathers them about the mirror direction, in
+theta_d over [0, pi/2], and in phi_d over [0, pi); by reciprocity that is all of it. Here values belong to the
+centres of the bins and are interpolated linearly between them, in the coordinates that the bins are even in.
+
+Negative entries mark what could not be measured, at grazing angles, and what lies below the horizon; one
+negative channel is enough. They are filled, with 0 or once and for all with the nearest entry that has data:
+along phi_d, on which lobes depend least, then what still lacks it along theta_d, then along theta_h; of two
+equally near ones with that of the smaller angle. What is filled counts as not covered, to the nearest bin.
+
+An isotropic material without handedness is its own mirror image, which takes phi_d to pi - phi_d: entries are
+the mean of the file's and its mirror image's, where both have data. That keeps reciprocity and energy.
+
+References
+----------
+[MPBM03] W. Matusik, H. Pfister, M. Brand, L. McMillan. A Data-Driven Reflectance Model. ACM TOG 22(3), 2003.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.brdf.angle_table import AngleTable
+from shrm.brdf.lobe import FloatArray
+from shrm.brdf.measured.material import BoolArray, Extrapolate, Measured
+
+Float32Array = npt.NDArray[np.float32]
+
+SCALE = (1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0)
+"""From the numbers of a file to the BRDF, per steradian, by channel."""
+
+_PUBLISHED = (90, 90, 180)
+_MOST_ENTRIES = 4_000_000  # 96 MB; a file of the database has 1,458,000
+_LARGEST = 1e30  # what float32 holds, with room for sums
+
+
+def recognises(head: bytes, size: int) -> bool:
+    """Tell whether a file has the database's dimensions, or others that its size agrees with."""
+    shape = _shape(head)
+    return shape is not None and (shape == _PUBLISHED or (_is_sound(shape) and size == _size(shape)))
+
+
+def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
+    """Read a material.
+
+    Parameters
+    ----------
+    path : Path
+        The .binary file.
+    extrapolate : {"nearest", "zero"}
+        What entries without data are filled with.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If its size is not that of its dimensions, they are absurd, or it has no data or data that are not
+        finite, in one line that names it.
+    """
+    values = _entries(path)
+    has_data = (values >= 0.0).all(axis=-1)
+    if not has_data.any():
+        raise ValueError(f"{path}: has no data, every entry is negative")
+    notes = _notes(values, has_data)
+    _symmetrise(values, has_data)
+    if extrapolate == "zero":
+        values[~has_data] = 0.0
+    else:
+        _fill(values, has_data)
+    material = _Material(AngleTable(values, "half-angle", "centers", "square-root"), has_data)
+    function = material.covered_values if extrapolate == "zero" else material.values
+    return Measured(path.stem, "MERL", function, material.covers, extrapolate, notes)
+
+
+@dataclass(frozen=True)
+class _Material:
+    table: AngleTable
+    has_data: BoolArray
+
+    def values(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        values = self.table(wi, wo)
+        values *= wi[:, 2:]
+        return values
+
+    def covered_values(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        return np.asarray(self.values(wi, wo) * self.covers(wi, wo)[:, None])
+
+    def covers(self, wi: FloatArray, wo: FloatArray) -> BoolArray:
+        return self.has_data.reshape(-1)[self.table.nearest(wi, wo)]
+
+
+def _shape(head: bytes) -> tuple[int, int, int] | None:
+    return struct.unpack_from("<3i", head) if len(head) >= 12 else None
+
+
+def _is_sound(shape: tuple[int, int, int]) -> bool:
+    return min(shape) >= 2 and math.prod(shape) <= _MOST_ENTRIES
+
+
+def _size(shape: tuple[int, int, int]) -> int:
+    return 12 + 3 * 8 * math.prod(shape)
+
+
+def _entries(path: Path) -> Float32Array:
+    """The BRDF, (n_h, n_d, n_phi, 3), negative where there is none."""
+    with path.open("rb") as file:
+        shape, size = _shape(file.read(12)), file.seek(0, 2)
+        if shape is None:
+            raise ValueError(f"{path}: a MERL file starts with three numbers, this one has {size} bytes")
+        if not _is_sound(shape):
+            raise ValueError(
+                f"{path}: must have 2 or more entries along each axis and at most {_MOST_ENTRIES} in all, "
+                f"got {' x '.join(str(n) for n in shape)}"
+            )
+        if size != _size(shape):
+            raise ValueError(
+                f"{path}: {' x '.join(str(n) for n in shape)} entries take {_size(shape)} bytes, "
+                f"but the file has {size}"
+            )
+        file.seek(12)
+        values = np.empty((*shape, 3), np.float32)
+        for channel, (color, scale) in enumerate(zip(("red", "green", "blue"), SCALE, strict=True)):
+            data = np.frombuffer(file.read(8 * math.prod(shape)), "<f8")
+            if data.size < math.prod(shape):  # it has become shorter since
+                raise ValueError(f"{path}: is truncated within {color}")
+            wrong = ~(np.abs(data) < _LARGEST)  # NaN too
+            if wrong.any():
+                raise ValueError(
+                    f"{path}: {color} must be finite and below {_LARGEST:g}, got {np.sum(wrong)} entries "
+                    f"that are not, the first {data[np.argmax(wrong)]:g}"
+                )
+            values[..., channel] = (scale * data).reshape(shape)
+    return values
+
+
+def _notes(values: Float32Array, has_data: BoolArray) -> tuple[str, ...]:
+    notes = []
+    if missing := int(np.sum(~has_data)):
+        notes.append(f"{missing} of {has_data.size} entries have no data")
+    both = has_data & has_data[:, :, ::-1]
+    pairs = values[both], values[:, :, ::-1][both]
+    size, difference = np.abs(pairs[0]).mean(), np.abs(pairs[0] - pairs[1]).mean()
+    if both.any() and difference > 1e-3 * size:
+        notes.append(f"differs by {difference / size:.1%} from its mirror image: the mean of both is taken")
+    return tuple(notes)
+
+
+def _symmetrise(values: Float32Array, has_data: BoolArray) -> None:
+    """Make a table its own mirror image, in place: the mean where both have data, else that of one."""
+    there, mirrored = has_data.copy(), has_data[:, :, ::-1].copy()
+    image = values[:, :, ::-1].copy()
+    np.copyto(image, values, where=(there & ~mirrored)[..., None])
+    np.copyto(values, image, where=(~there & mirrored)[..., None])
+    values += image
+    values *= 0.5
+    has_data |= mirrored
+
+
+def _fill(values: Float32Array, has_data: BoolArray) -> None:
+    """Fill entries without data from the nearest along phi_d, then theta_d, then theta_h, in place."""
+    filled = has_data
+    for axis in (2, 1, 0):
+        n = filled.shape[axis]
+        index = np.arange(n, dtype=np.int32).reshape([n if k == axis else 1 for k in range(3)])
+        before = np.maximum.accumulate(np.where(filled, index, -n), axis=axis)
+        after = np.flip(np.minimum.accumulate(np.flip(np.where(filled, index, 2 * n), axis), axis=axis), axis)
+        source = np.where(index - before <= after - index, before, after)
+        found = (source >= 0) & (source < n)
+        wanted = np.nonzero(found & ~filled)
+        origin = list(wanted)
+        origin[axis] = source[wanted]
+        values[wanted] = values[tuple(origin)]
+        filled = found

@@ -1,0 +1,190 @@
+"""Materials of the RGL/EPFL database: .bsdf, isotropic, RGB or spectral [DJ18].
+
+    phi_i (p), theta_i (t)       where the tables over an incident direction i are; p = 1 is isotropic
+    vndf (p, t, n, n)            the distribution of visible normals, over (phi_m - phi_i, theta_m)
+    rgb (p, t, 3, k, k)          the measurements, over the unit square that vndf makes even
+    spectra (p, t, w, k, k), wavelengths (w)   the same by wavelength, nm
+    ndf (2, n), sigma (2, n)     the distribution of normals, and the area they show to a direction
+    jacobian (1)                 whether ndf / (4 sigma) must be multiplied; it is 1 in the database
+    valid                        which of the k k samples are measured, a bit each; optional
+    luminance, description       for sampling, and a text; not needed
+
+What the files hold is f_r cos(theta_o), the cosine that of the other, sampled direction o. Here i is V and o
+is L: with N.L, rho_hat is what the file holds, and stays finite at grazing angles. Between the theta_i the
+densities and the samples are interpolated linearly, in the unit squares bilinearly, as by the authors' own
+evaluation; like there, negative colors, outside the gamut, are taken for 0. The measurements are about as
+reciprocal as they are.
+
+`valid` is stored from the highest bit of each byte, in the order of the samples. In all files at hand it says
+which samples have o above the horizon, in some the other way round: it is taken so that the sample at V = N,
+H = N is valid. Directions count as covered where the nearest sample is valid. Where it is not, values are
+those of the file, which holds continued ones there ("nearest"), or 0 ("zero").
+
+References
+----------
+[DJ18] J. Dupuy, W. Jakob. An Adaptive Parameterization for Efficient Material Acquisition and Rendering.
+ACM TOG 37(6), 2018. The authors' evaluation: github.com/rgl-epfl/brdf-loader.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core
+from shrm.brdf.lobe import FloatArray
+from shrm.brdf.measured.material import BoolArray, Extrapolate, Measured
+from shrm.brdf.measured.tensor_file import MAGIC, TensorFile, open_tensor_file
+
+Float32Array = npt.NDArray[np.float32]
+
+
+def recognises(head: bytes, size: int) -> bool:
+    """Tell whether a file that starts like this is a tensor file."""
+    return head.startswith(MAGIC)
+
+
+def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
+    """Read an isotropic material.
+
+    Parameters
+    ----------
+    path : Path
+        The .bsdf file.
+    extrapolate : {"nearest", "zero"}
+        Values where no sample is valid: the file's own, or 0.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it is damaged, anisotropic, or lacks what it needs, in one line that names it.
+    """
+    file = open_tensor_file(path)
+    theta_i = _theta_i(file)
+    notes = _description(file)
+    distributions = {"vndf": file.read("vndf", "f4", 4), "ndf": file.read("ndf", "f4", 2)}
+    sigma = file.read("sigma", "f4", 2)
+    _require_squares(path, len(theta_i), vndf=distributions["vndf"])
+    for name, values in (*distributions.items(), ("sigma", sigma)):
+        if min(values.shape[-2:]) < 2:
+            raise ValueError(f"{path}: {name} must have two rows and columns or more, got {values.shape}")
+    if not (sigma > 0.0).all():
+        raise ValueError(f"{path}: sigma must be positive, got {sigma.min():g}")
+    for name, values in distributions.items():
+        if negative := int(np.sum(values < 0.0)):
+            notes += (f"{negative} of {values.size} values of {name} were negative and are taken for 0",)
+            distributions[name] = np.maximum(values, 0.0)
+    vndf, ndf = distributions["vndf"][0], distributions["ndf"]
+    if not vndf.any(axis=(1, 2)).all():
+        raise ValueError(f"{path}: vndf must not be 0 at a whole theta_i")
+
+    values = _colors(file, len(theta_i))
+    if negative := int(np.sum(values < 0.0)):
+        notes += (f"{negative} of {values.size} colors were negative, outside sRGB's gamut: 0 there",)
+    size = np.abs(values).mean()
+    if (handedness := np.abs(values - values[:, ::-1]).mean()) > 1e-3 * size:
+        notes += (f"differs by {handedness / size:.1%} from its mirror image, phi_i - phi_o reversed",)
+    table = _core.AdaptiveParameterization(
+        theta_i=theta_i,
+        vndf=np.ascontiguousarray(vndf),
+        values=values,
+        ndf=ndf if _jacobian(file) else np.empty((0, 0), np.float32),
+        sigma=_middle_row(sigma),
+    )
+    material = _Material(table, _valid(file, values.shape[:3]))
+    function = material.covered_values if extrapolate == "zero" else material.values
+    return Measured(path.stem, "RGL", function, material.covers, extrapolate, notes)
+
+
+@dataclass(frozen=True)
+class _Material:
+    table: _core.AdaptiveParameterization
+    valid: BoolArray  # (theta_i, k, k)
+
+    def values(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        return self.table.evaluate(wi=wi, wo=wo)
+
+    def covered_values(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        return np.asarray(self.values(wi, wo) * self.covers(wi, wo)[:, None])
+
+    def covers(self, wi: FloatArray, wo: FloatArray) -> BoolArray:
+        slices, rows, columns = self.valid.shape
+        nearest = np.rint(self.table.samples(wi=wi, wo=wo) * [1, rows - 1, columns - 1]).astype(np.intp)
+        return np.asarray(self.valid[tuple(np.clip(nearest, 0, [slices - 1, rows - 1, columns - 1]).T)])
+
+
+def _theta_i(file: TensorFile) -> FloatArray:
+    phi_i = file.read("phi_i", "f4", 1)
+    if len(phi_i) > 1:
+        raise ValueError(
+            f"{file.path}: is anisotropic, it has {len(phi_i)} phi_i: only isotropic materials can be read"
+        )
+    theta_i = file.read("theta_i", "f4", 1).astype(np.float64)
+    if not ((np.diff(theta_i) > 0.0).all() and theta_i[0] >= 0.0 and theta_i[-1] < np.pi / 2 + 1e-3):
+        raise ValueError(f"{file.path}: theta_i must rise within [0, pi/2], got {theta_i}".replace("\n", ""))
+    return theta_i
+
+
+def _colors(file: TensorFile, slices: int) -> Float32Array:
+    """The samples as linear sRGB, (theta_i, k, k, 3)."""
+    if "rgb" in file.fields or "spectra" not in file.fields:
+        rgb = file.read("rgb", "f4", 5)
+        _require_squares(file.path, slices, 3, rgb=rgb)
+        return np.ascontiguousarray(np.moveaxis(rgb[0], 1, -1))
+    from shrm.brdf.measured.spectrum import to_linear_srgb
+
+    wavelengths = file.read("wavelengths", "f4", 1).astype(np.float64)
+    if not (np.diff(wavelengths) > 0.0).all():
+        raise ValueError(f"{file.path}: wavelengths must rise, got {len(wavelengths)} that do not")
+    spectra = file.read("spectra", "f4", 5)
+    _require_squares(file.path, slices, len(wavelengths), spectra=spectra)
+    colors = np.empty((slices, *spectra.shape[3:], 3), np.float32)
+    for color, spectrum in zip(colors, spectra[0], strict=True):  # one by one, in little memory
+        color[...] = to_linear_srgb(wavelengths, np.moveaxis(spectrum, 0, -1).astype(np.float64))
+    return colors
+
+
+def _require_squares(path: Path, slices: int, *channels: int, **field: npt.NDArray[Any]) -> None:
+    """A field must have a table of two rows and columns or more for each theta_i (and channel)."""
+    ((name, values),) = field.items()
+    if values.shape[:-2] != (1, slices, *channels) or min(values.shape[-2:]) < 2:
+        wanted = ", ".join(str(n) for n in (1, slices, *channels))
+        raise ValueError(f"{path}: {name} must have the shape ({wanted}, n, n), n >= 2, got {values.shape}")
+
+
+def _jacobian(file: TensorFile) -> bool:
+    flag = file.read("jacobian", "u1", 1)
+    if flag.shape != (1,) or flag[0] > 1:
+        raise ValueError(f"{file.path}: jacobian must be 0 or 1, got {flag[:4]}")
+    return bool(flag[0])
+
+
+def _valid(file: TensorFile, shape: tuple[int, ...]) -> BoolArray:
+    """Which samples are measured: all, unless the file says."""
+    count = int(np.prod(shape))
+    if "valid" not in file.fields:
+        return np.ones(shape, bool)
+    packed = file.read("valid", "u1", 1)
+    if len(packed) != (count + 7) // 8:
+        raise ValueError(f"{file.path}: valid must have {(count + 7) // 8} bytes, got {len(packed)}")
+    bits = np.unpackbits(packed, count=count).astype(bool).reshape(shape)
+    return bits if bits[0, 0, 0] else ~bits
+
+
+def _description(file: TensorFile) -> tuple[str, ...]:
+    if "description" not in file.fields:
+        return ()
+    text = file.read("description", "u1", 1)[:200].tobytes().decode("ascii", "replace")
+    return ("".join(letter if letter.isprintable() else " " for letter in text).strip(),)
+
+
+def _middle_row(table: Float32Array) -> Float32Array:
+    """A table over (phi, theta) at phi = 0, halfway."""
+    half = (len(table) - 1) / 2
+    return np.asarray(0.5 * (table[int(np.floor(half))] + table[int(np.ceil(half))]), np.float32)
