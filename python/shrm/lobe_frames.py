@@ -14,7 +14,8 @@ import numpy.typing as npt
 from shrm.brdf.lobe import IsotropicLobe, RadialLobe
 from shrm.central_direction import gamma_at, gamma_table
 from shrm.lobe_integrals import local_frames
-from shrm.lobe_tables import light_quadrature, view_at
+from shrm.lobe_quadrature import leggauss
+from shrm.lobe_tables import cap_at, light_quadrature, view_at
 
 Array = npt.NDArray[np.float64]
 Pixels = npt.NDArray[np.float32]
@@ -22,8 +23,11 @@ CoreLobe = IsotropicLobe | RadialLobe
 
 VIEWS, FRAMES_OF_A_VIEW = 64, 16
 """Of the frames that an error is measured at."""
-NOTHING = 1e-8
-"""What a node may have of a lobe's integral and be left out."""
+TEXELS, FINEST = 4, 4
+"""A lobe that is wider than so many texels gets more nodes, so many times at most, along each angle; and as
+many times fewer frames."""
+LEFT_OUT = 5e-4
+"""Of a lobe's integral, at its faintest nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +54,10 @@ class Frames:
     def of(cls, pixels: Pixels, lobe: CoreLobe) -> Frames:
         """Draw them for a light (H, W, 3), and integrate a lobe in each."""
         random = np.random.default_rng(2002)
-        n = VIEWS * FRAMES_OF_A_VIEW
+        H, W, _ = pixels.shape
+        extent = cap_at(lobe.transfer, float(np.sqrt(0.5)), 0.1)[1] / max(np.pi / H, 2 * np.pi / W)
+        finer = int(np.clip(np.ceil(extent / TEXELS), 1, FINEST))
+        n = VIEWS * (FRAMES_OF_A_VIEW // finer)
         C, weight = _drawn(pixels, n, random)
         theta_v = np.arccos(np.sqrt((np.arange(VIEWS) + 0.5) / VIEWS))
         transfer = lobe.transfer
@@ -63,14 +70,15 @@ class Frames:
         exact = np.empty((n, 3))
         for k in range(VIEWS):
             frames = local_frames(N[at == k], V[at == k])
-            wi, area = _nodes(lobe, float(theta_v[k]))
-            rho = (
-                transfer(wi, view_at(float(np.cos(theta_v[k])), len(wi))).reshape(len(wi), -1) * area[:, None]
-            )
+            wi, area = _nodes(lobe, float(theta_v[k]), finer)
+            rho = transfer(wi, view_at(float(np.cos(theta_v[k])), len(wi))).reshape(len(wi), -1)
+            rho = rho * area[:, None]
             height = np.abs(rho).sum(axis=1)
-            there = height > NOTHING * height.sum()
+            brightest = np.argsort(-height)
+            held = np.cumsum(height[brightest])
+            there = brightest[: np.searchsorted(held, (1 - LEFT_OUT) * held[-1]) + 1]
             light = _texels_at(pixels, np.einsum("fxk,ik->fix", frames, wi[there]))
-            exact[at == k] = np.einsum("fic,ic->fc", light, np.broadcast_to(rho[there], (there.sum(), 3)))
+            exact[at == k] = np.einsum("fic,ic->fc", light, np.broadcast_to(rho[there], (len(there), 3)))
         return cls(N, V, exact, weight)
 
     def error(self, radiance: Pixels) -> float:
@@ -78,28 +86,24 @@ class Frames:
         return float((self.weight * ((radiance - self.exact) ** 2).sum(axis=1)).mean())
 
 
-def _nodes(lobe: CoreLobe, theta_v: float) -> tuple[Array, Array]:
+def _nodes(lobe: CoreLobe, theta_v: float, finer: int) -> tuple[Array, Array]:
     """Lights and their solid angles, dense about the centre of a lobe, in the frame of the normal."""
     if isinstance(lobe, IsotropicLobe):
-        wi, weight = light_quadrature(float(np.cos(theta_v)), 96, 32)
+        wi, weight = light_quadrature(float(np.cos(theta_v)), 96 * finer, 32 * finer)
         mirrored = wi * [1.0, -1.0, 1.0]
         return np.concatenate([wi, mirrored]), np.concatenate([weight, weight]) / 2
-    x, w = np.polynomial.legendre.leggauss(96)
+    x, w = leggauss(96 * finer)
+    azimuths = 64 * finer
     t = 0.5 * (1 + x)
     theta = np.pi * t**2
-    phi = 2 * np.pi * (np.arange(64) + 0.5) / 64
-    about = np.stack(
-        [
-            np.outer(np.sin(theta), np.cos(phi)),
-            np.outer(np.sin(theta), np.sin(phi)),
-            np.outer(np.cos(theta), np.ones(64)),
-        ],
-        axis=-1,
-    ).reshape(-1, 3)
+    phi = 2 * np.pi * (np.arange(azimuths) + 0.5) / azimuths
+    sine, cosine = np.sin(theta)[:, None], np.cos(theta)[:, None]
+    about = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine + 0 * phi], axis=-1).reshape(-1, 3)
     tilt = theta_v if lobe.center == "reflection" else 0.0
     c, s = np.cos(tilt), np.sin(tilt)
     turned = about @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])  # z to (-sin, 0, cos)
-    return turned, np.repeat(w * np.pi * t * np.sin(theta) * 2 * np.pi / 64, 64)
+    weight = w * np.pi * t * np.sin(theta) * 2 * np.pi / azimuths
+    return turned, np.repeat(weight, azimuths)
 
 
 def _drawn(pixels: Pixels, n: int, random: np.random.Generator) -> tuple[Array, Array]:
