@@ -119,7 +119,7 @@ def test_missing_entries_are_filled_from_the_nearest_in_the_documented_order(tmp
     for axis in (2, 1, 0):
         before = has_data.copy()
         for entry in itertools.product(*map(range, shape)):
-            line = [entry[:axis] + (k,) + entry[axis + 1 :] for k in range(shape[axis])]
+            line = [(*entry[:axis], k, *entry[axis + 1 :]) for k in range(shape[axis])]
             sources = [at for at in line if before[at]]
             if sources and not before[entry]:
                 expected[entry] = expected[min(sources, key=lambda at: abs(at[axis] - entry[axis]))]

@@ -69,7 +69,7 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
         finite, in one line that names it.
     """
     values = _entries(path)
-    has_data = (values >= 0.0).all(axis=-1)
+    has_data: BoolArray = np.all(values >= 0.0, axis=-1)
     if not has_data.any():
         raise ValueError(f"{path}: has no data, every entry is negative")
     notes = _notes(values, has_data)
