@@ -49,6 +49,21 @@ def test_the_text_says_how_it_is_filled(tmp_path: Path) -> None:
         parse(f"{plain}:extrapolate=maybe")
 
 
+def test_a_sample_of_several_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "kp2.dat"
+    path.write_text("1 0.3 0 0 0 0\n2 0.6 0 0 0 0\n")
+    with pytest.raises(MeasurementError, match="holds 2 samples"):
+        load(path)
+    assert parse(f"{path}:sample=2") is load(path, sample=2)
+    assert parse(filled(f"{path}:sample=2", "zero")) is load(path, sample=2, extrapolate="zero")
+    with pytest.raises(ValueError, match="sample must be a whole number"):
+        parse(f"{path}:sample=two")
+    other = tmp_path / "paint"
+    shutil.copy(require("brdf/pink-felt-1d.alta"), other)
+    with pytest.raises(MeasurementError, match="holds one material"):
+        load(other, sample=1)
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [

@@ -1,7 +1,7 @@
 """The promise for real measured files: the measured error is at most 1.25 times the predicted one plus 1e-4.
 
 As tests/test_natural_light.py has it for models: against a float64 integral over the texels' areas of the
-material's own values, in the measure of the prediction, at 64 x 128 texels; lobes are as narrow as .2 degrees.
+material's own values, in the measure of the prediction, at 64 x 128 texels; one lobe is .2 degrees wide.
 That those values are the files' is for the tests of each format. `pytest -rP tests/test_measured_light.py`
 prints the table.
 """

@@ -12,6 +12,7 @@
     lafortune:mine.json#skin          material "skin" of a file of fits: abc, sgd, lafortune
     krylon_blue.brdf                  a file of measurements, see `shrm.brdf.load`
     krylon_blue.brdf:extrapolate=zero black where it has none; by default nearest
+    kp8.dat:sample=12                 of a file of several samples, CUReT's
 
 The name of every analytic material and every published fit, such as "ggx(alpha=0.1)", is such a text. (In
 sums and products the path of a file cannot contain "+" or "*".)
@@ -101,12 +102,16 @@ def filled(text: str, extrapolate: Extrapolate) -> str:
         See `shrm.brdf.load`.
     """
 
-    def term(text: str) -> str:
-        if ":extrapolate=" in text or _file(text.split("*")[-1].strip()) is None:
-            return text.strip()
-        return f"{text.strip()}:extrapolate={extrapolate}"
+    def whole(file: _File) -> str:
+        return file._replace(extrapolate=file.extrapolate or extrapolate).text
 
-    return term(text) if _file(text) is not None else " + ".join(map(term, _PLUS.split(text)))
+    def term(text: str) -> str:
+        *factors, rest = (part.strip() for part in text.split("*"))
+        file = _file(rest)
+        return "*".join([*factors, rest if file is None else whole(file)])
+
+    file = _file(text)
+    return " + ".join(map(term, _PLUS.split(text))) if file is None else whole(file)
 
 
 def _term(term: str, text: str) -> BRDF:
@@ -148,17 +153,31 @@ def _factorless(term: str, text: str) -> BRDF:
 SUFFIXES = (".brdf", ".bsdf", ".binary", ".alta")
 """Of names that are files, though none is there."""
 
-_FILE = re.compile(r"(?P<path>.+?)(?:[:(]extrapolate=(?P<how>[^)]*)\)?)?", re.DOTALL)
+_FILE = re.compile(r"(?P<path>.+?)(?P<with>[:(](?:(?:extrapolate|sample)=[^,)]*,?)+\)?)?", re.DOTALL)
 
 
 class _File(NamedTuple):
-    """A file of measurements, and how it is filled."""
+    """A file of measurements, how it is filled, and the number of a sample in it."""
 
     path: str
-    how: str
+    extrapolate: str | None
+    sample: str | None
 
     def load(self) -> BRDF:
-        return load(self.path, extrapolate=self.how)  # type: ignore[arg-type]
+        sample = self.sample
+        if sample is not None and not (sample.isascii() and sample.isdigit()):
+            raise ValueError(f"{self.path}: sample must be a whole number, got {sample!r}")
+        return load(
+            self.path,
+            extrapolate=self.extrapolate or "nearest",  # type: ignore[arg-type]
+            sample=None if sample is None else int(sample),
+        )
+
+    @property
+    def text(self) -> str:
+        given = {"sample": self.sample, "extrapolate": self.extrapolate}
+        arguments = ",".join(f"{key}={value}" for key, value in given.items() if value is not None)
+        return f"{self.path}:{arguments}" if arguments else self.path
 
 
 def _file(term: str) -> _File | None:
@@ -173,7 +192,10 @@ def _file(term: str) -> _File | None:
         return None
     alone = not _PLUS.search(path) and "*" not in path
     a_name = "/" in re.split("[:(]", path)[0] or Path(path).suffix.lower() in SUFFIXES
-    return _File(path, match["how"] or "nearest") if there or (alone and a_name) else None
+    if not (there or (alone and a_name)):
+        return None
+    arguments = dict(re.findall(r"(extrapolate|sample)=([^,)]*)", match["with"] or ""))
+    return _File(path, arguments.get("extrapolate"), arguments.get("sample"))
 
 
 def _model(name: str, arguments: str) -> BRDF:

@@ -10,7 +10,7 @@ from typing import Protocol, get_args
 
 from shrm.brdf.measured import alta, cornell, curet, merl, rgl
 from shrm.brdf.measured.material import Extrapolate, Measured, MeasurementError
-from shrm.validation import one_of
+from shrm.validation import one_of, whole_number
 
 
 class Format(Protocol):
@@ -30,7 +30,9 @@ HEAD = 4096
 """Bytes that tell."""
 
 
-def load(path: str | os.PathLike[str], *, extrapolate: Extrapolate = "nearest") -> Measured:
+def load(
+    path: str | os.PathLike[str], *, extrapolate: Extrapolate = "nearest", sample: int | None = None
+) -> Measured:
     """Read a measured material from its file.
 
     MERL's `.binary`, RGL/EPFL's tensor files `.bsdf`, Cornell's goniometer data `.brdf`, CUReT's measurements
@@ -43,6 +45,8 @@ def load(path: str | os.PathLike[str], *, extrapolate: Extrapolate = "nearest") 
     extrapolate : {"nearest", "zero"}
         How directions without data, at grazing angles above all, are filled: with the nearest value in the
         coordinates of the file, or black.
+    sample : int, optional
+        The number of a sample in a file of several, as CUReT's are.
 
     Returns
     -------
@@ -58,20 +62,25 @@ def load(path: str | os.PathLike[str], *, extrapolate: Extrapolate = "nearest") 
     MeasurementError
         If it is of none of the formats, or damaged: a ValueError of one line that names it.
     ValueError
-        If `extrapolate` is none of those.
+        If `extrapolate` is none of those, or `sample` is given for a file of one material.
     """
     one_of("extrapolate", extrapolate, get_args(Extrapolate))
     file = Path(path)
     at = file.stat()
-    return _kept(str(path), extrapolate, at.st_mtime_ns, at.st_size)
+    number = None if sample is None else whole_number("sample", sample, 0)
+    return _kept(str(path), extrapolate, number, at.st_mtime_ns, at.st_size)
 
 
 # A file that has not changed gives the same material, so that what is computed for it is found again.
 @lru_cache(maxsize=8)
-def _kept(path: str, extrapolate: Extrapolate, mtime: int, size: int) -> Measured:
+def _kept(path: str, extrapolate: Extrapolate, sample: int | None, mtime: int, size: int) -> Measured:
     file = Path(path)
     if (known := recognised(file)) is not None:
         try:
+            if known is curet:
+                return curet.read(file, extrapolate, sample=sample)
+            if sample is not None:
+                raise ValueError(f"{path}: holds one material, which has no number, got sample {sample}")
             return known.read(file, extrapolate)
         except ValueError as fault:
             raise MeasurementError(str(fault)) from None
