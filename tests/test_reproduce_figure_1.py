@@ -121,7 +121,7 @@ def test_frames_chosen_by_their_light_stand_for_all() -> None:
     every = np.sum(Frames.drawn(32000).radiance(rm) ** 2, axis=1)
     light = weights * np.sum(frames.radiance(rm) ** 2, axis=1)
     # Chances are at least half of the frame's share of the light and half of uniform: weights are at most 2,
-    # weighted light at most twice its mean. Means of 2000 values within [0, 2] scatter by 1 / sqrt(2000) at most.
+    # weighted light at most twice its mean. Means of 2000 values within [0, 2] scatter by 1 / sqrt(2000).
     assert weights.max() <= 2
     assert light.max() <= 2 * every.mean() * (1 + 1e-6)
     assert weights.mean() == pytest.approx(1, abs=4 / np.sqrt(2000))
