@@ -104,7 +104,7 @@ def samples(fields: dict[str, np.ndarray], i: np.ndarray, o: np.ndarray) -> np.n
 
 
 def factor(fields: dict[str, np.ndarray], i: np.ndarray, o: np.ndarray) -> np.ndarray:
-    """ndf / (4 sigma), (n,), or 1 where the file says so."""
+    """Ndf / (4 sigma), (n,), or 1 where the file says so."""
     if not fields["jacobian"][0]:
         return np.ones(len(i))
     theta_i, u, v = angles(i, o)
