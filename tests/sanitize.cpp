@@ -295,6 +295,11 @@ void integrators() {
                     random_values<float>(size(3) * size(channels) * size((nodes + 2) * (nodes + 2)));
                 angular::integrate_isotropic(
                     picture, {envelope, ratio, caps, channels, nodes, 2, nodes, nodes}, axes, views, out);
+                for (const shrm::hierarchical::Heights& heights :
+                     {shrm::hierarchical::Heights{}, shrm::hierarchical::Heights{0.1, 2}})
+                    shrm::hierarchical::integrate_isotropic(
+                        pyramid, {envelope, ratio, caps, channels, nodes, 2, nodes, nodes}, heights,
+                        {0.1, 1, 0.2}, axes, views, out);
             }
 }
 

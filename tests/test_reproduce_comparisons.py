@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from data import require
 from light import band_limited_environment
 from shrm import Environment
 from shrm.reproduce import figure_9, figure_10
@@ -44,8 +43,8 @@ def test_quick_figures(figure):
     assert f"| {result.columns[0]} |" in result.markdown()
 
 
-def test_the_fabric_is_the_fit_where_there_is_one():
-    folder = require("brdf/merl_sgd_bagher2012.json").parent
+def test_the_fabric_is_the_fit_where_there_is_one(tmp_path):
     env = Environment.daylight(size=16)
-    assert figure_9.fabric(Settings(env, "daylight", folder)).name == figure_9.FIT[1]
-    assert figure_9.fabric(Settings(env, "daylight")).name != figure_9.FIT[1]
+    assert figure_9.fabric(Settings(env, "daylight")).name == f"merl-sgd:{figure_9.FIT[1]}"
+    (tmp_path / "merl_sgd_bagher2012.json").write_text("{}")
+    assert figure_9.fabric(Settings(env, "daylight", tmp_path)).name == "velvet"

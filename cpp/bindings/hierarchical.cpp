@@ -1,5 +1,6 @@
 #include "shrm/hierarchical.hpp"
 
+#include <limits>
 #include <memory>
 
 #include "lobe_tables.hpp"
@@ -56,13 +57,15 @@ py::tuple zonal(const Pyramid& pyramid, const Array<float>& profiles, const Arra
 
 py::tuple isotropic(const Pyramid& pyramid, const Array<float>& envelope, const Array<float>& ratio,
                     const Array<double>& caps, double threshold, double integral, double finest,
-                    const Array<double>& normals, const Array<double>& views) {
+                    const Array<double>& normals, const Array<double>& views, double above, double below) {
+    if (!(above >= 0 && below > 0)) throw py::value_error("above must be at least 0, below above 0");
     const auto ranges = caps_of(caps, ratio.shape(0));
-    const auto table = isotropic_of(envelope, ratio, ranges);
+    const auto table = isotropic_of(envelope, ratio, ranges, true);
     const auto n = directions(normals, "normals"), v = directions(views, "views");
     require_shape(views, "views", {normals.shape(0), 3});
     return descended(normals.shape(0), [&](std::span<float> out) {
-        return hierarchical::integrate_isotropic(pyramid, table, {threshold, integral, finest}, n, v, out);
+        return hierarchical::integrate_isotropic(pyramid, table, {above, below},
+                                                 {threshold, integral, finest}, n, v, out);
     });
 }
 
@@ -82,7 +85,8 @@ void bind_hierarchical(py::module_& module) {
                "axes"_a.noconvert(), "theta_o"_a.noconvert());
     module.def("hierarchical_isotropic", isotropic, py::kw_only(), "pyramid"_a, "envelope"_a.noconvert(),
                "ratio"_a.noconvert(), "caps"_a.noconvert(), "threshold"_a, "integral"_a, "finest"_a,
-               "normals"_a.noconvert(), "views"_a.noconvert());
+               "normals"_a.noconvert(), "views"_a.noconvert(), "above"_a = 0.0,
+               "below"_a = std::numeric_limits<double>::infinity());
 }
 
 }  // namespace shrm::bindings

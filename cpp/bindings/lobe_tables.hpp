@@ -61,22 +61,24 @@ inline angular::ZonalProfiles zonal_of(const Array<float>& profiles, std::span<c
     return {view(profiles), bands, extent(profiles, 0), extent(profiles, 1), extent(profiles, 2) - 2};
 }
 
-// `caps` have to outlive it.
+// `caps` have to outlive it. The envelope is (intervals + 2), or with `of_channels` (1 or channels,
+// intervals + 2).
 inline angular::IsotropicTable isotropic_of(const Array<float>& envelope, const Array<float>& ratio,
-                                            std::span<const angular::Cap> caps) {
-    require_shape(envelope, "envelope", {any});
+                                            std::span<const angular::Cap> caps, bool of_channels = false) {
+    if (of_channels)
+        require_shape(envelope, "envelope", {any, any});
+    else
+        require_shape(envelope, "envelope", {any});
     require_shape(ratio, "ratio", {any, any, any, any});
     require_channels(extent(ratio, 1));
-    if (extent(envelope, 0) < 3 || extent(ratio, 0) < 2 || extent(ratio, 2) < 3 || extent(ratio, 3) < 3)
+    const int nodes = extent(envelope, of_channels ? 1 : 0);
+    if (nodes < 3 || extent(ratio, 0) < 2 || extent(ratio, 2) < 3 || extent(ratio, 3) < 3)
         throw py::value_error("envelope and ratio need at least one interval along each axis");
-    return {view(envelope),
-            view(ratio),
-            caps,
-            extent(ratio, 1),
-            extent(envelope, 0) - 2,
-            extent(ratio, 0) - 1,
-            extent(ratio, 2) - 2,
-            extent(ratio, 3) - 2};
+    if (of_channels && extent(envelope, 0) != 1 && extent(envelope, 0) != extent(ratio, 1))
+        throw py::value_error("envelope needs one row, or one for each channel");
+    return {view(envelope),       view(ratio),         caps,
+            extent(ratio, 1),     nodes - 2,           extent(ratio, 0) - 1,
+            extent(ratio, 2) - 2, extent(ratio, 3) - 2};
 }
 
 }  // namespace shrm::bindings

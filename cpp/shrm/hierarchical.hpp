@@ -6,6 +6,7 @@
 // each of them is entered. Lobes are the tables of angular.hpp.
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include <glm/vec3.hpp>
@@ -28,6 +29,13 @@ struct Descent {
     double finest;
 };
 
+// A lobe between two heights: u m / (above + m), then u below / (below + m), with m the mean over the
+// channels of what is there. With 0 and infinity it is the lobe itself.
+struct Heights {
+    double above = 0;
+    double below = std::numeric_limits<double>::infinity();
+};
+
 // What was done: kernel evaluations, for targets each.
 struct Effort {
     double evaluations;
@@ -45,10 +53,11 @@ Effort integrate_zonal(const Pyramid& pyramid, const angular::ZonalProfiles& pro
                        std::span<const glm::dvec3> axes, std::span<const double> theta_o,
                        std::span<float> out);
 
-// The same for each normal and view, the view above the normal's horizon. The lobe could hide within the
-// table's caps.
+// The same for each normal and view, the view above the normal's horizon, of what lies between heights. It
+// could hide within the table's caps. The table may have an envelope for each channel, one after the other.
 Effort integrate_isotropic(const Pyramid& pyramid, const angular::IsotropicTable& table,
-                           const Descent& descent, std::span<const glm::dvec3> normals,
-                           std::span<const glm::dvec3> views, std::span<float> out);
+                           const Heights& heights, const Descent& descent,
+                           std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views,
+                           std::span<float> out);
 
 }  // namespace shrm::hierarchical

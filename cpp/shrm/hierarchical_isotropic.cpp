@@ -17,7 +17,10 @@ struct IsotropicKernel {
 
     const float *envelope, *ratio;
     float envelope_intervals, light_intervals, azimuth_intervals;
-    int row, plane;  // of the ratio, for one view and channel
+    int row, plane;     // of the ratio, for one view and channel
+    int next_envelope;  // from one channel's to the next; 0 if they share it
+    bool whole_lobe;
+    float above, below;
     Directions x = {}, y = {}, normal = {};
     Directions centre = {};  // of the lobe
     Numbers reach = {};      // of its cap, as half a chord
@@ -51,8 +54,10 @@ struct IsotropicKernel {
         const Lanes tangent = root(across) / (hz + root(across + hz * hz) + tiny);  // of theta_h / 2
         const Lanes place = envelope_intervals * (tangent < one ? tangent : one);
         const Ints at = whole(place);
-        const Lanes e =
-            only(height > zero, mixed(gather(envelope, at), gather(envelope + 1, at), place - number(at)));
+        const auto enveloped = [&](const float* of) {
+            return only(height > zero, mixed(gather(of, at), gather(of + 1, at), place - number(at)));
+        };
+        Lanes e = enveloped(envelope);
 
         const Lanes light = light_intervals * root(one - root(z));
         const Lanes azimuth = azimuth_intervals * (0.5f - 0.5f * lx / (absolute(lx) + absolute(ly) + tiny));
@@ -66,8 +71,20 @@ struct IsotropicKernel {
         };
         for (int c = 0; c < channels; ++c) {
             const float* slice = ratio + c * plane;
+            if (c > 0 && next_envelope > 0) e = enveloped(envelope + c * next_envelope);
             u[c] = e * mixed(in_slice(slice), in_slice(slice + channels * plane), along_view[k]);
         }
+        if (!whole_lobe) between_heights(u);
+    }
+    SHRM_INLINE void between_heights(Lanes (&u)[channels]) const {
+        const Lanes zero = {};
+        Lanes mean = u[0];
+        for (int c = 1; c < channels; ++c) mean += u[c];
+        mean *= 1.0f / channels;
+        mean = mean > zero ? mean : zero;
+        const Lanes core = mean / (above + mean + 1e-30f), m = mean * core;
+        const Lanes share = core * (below / (below + m));
+        for (int c = 0; c < channels; ++c) u[c] *= share;
     }
     SHRM_INLINE bool reaches(const Value& value, float radius) const {  // above the horizon
         Ints found = {};
@@ -85,17 +102,23 @@ struct IsotropicKernel {
 };
 
 template <int channels>
-Effort isotropic(const Pyramid& pyramid, const angular::IsotropicTable& table, const Descent& descent,
-                 std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views,
-                 std::span<float> out) {
+Effort isotropic(const Pyramid& pyramid, const angular::IsotropicTable& table, const Heights& heights,
+                 const Descent& descent, std::span<const glm::dvec3> normals,
+                 std::span<const glm::dvec3> views, std::span<float> out) {
     const int row = table.azimuth_intervals + 2, plane = row * (table.light_intervals + 2);
+    const int nodes = table.envelope_intervals + 2;
+    const int next_envelope = static_cast<int>(table.envelope.size()) > nodes ? nodes : 0;
     const IsotropicKernel<channels> lobe{table.envelope.data(),
                                          table.ratio.data(),
                                          static_cast<float>(table.envelope_intervals),
                                          static_cast<float>(table.light_intervals),
                                          static_cast<float>(table.azimuth_intervals),
                                          row,
-                                         plane};
+                                         plane,
+                                         next_envelope,
+                                         heights.above == 0 && !std::isfinite(heights.below),
+                                         static_cast<float>(heights.above),
+                                         static_cast<float>(std::min(heights.below, 1e30))};
     return integrate(
         pyramid, descent, lobe, normals.size(),
         [&](auto& kernel, int k, std::size_t target) {
@@ -121,10 +144,11 @@ Effort isotropic(const Pyramid& pyramid, const angular::IsotropicTable& table, c
 }  // namespace
 
 Effort integrate_isotropic(const Pyramid& pyramid, const angular::IsotropicTable& table,
-                           const Descent& descent, std::span<const glm::dvec3> normals,
-                           std::span<const glm::dvec3> views, std::span<float> out) {
+                           const Heights& heights, const Descent& descent,
+                           std::span<const glm::dvec3> normals, std::span<const glm::dvec3> views,
+                           std::span<float> out) {
     const auto run = table.channels == 1 ? isotropic<1> : isotropic<3>;
-    return run(pyramid, table, descent, normals, views, out);
+    return run(pyramid, table, heights, descent, normals, views, out);
 }
 
 }  // namespace shrm::hierarchical

@@ -24,7 +24,7 @@ from shrm import _core, sh
 from shrm.brdf.lobe import Center
 from shrm.central_direction import gamma_table
 from shrm.icosahedral import icosahedron
-from shrm.reflection_map import Part, ReflectionMap, zonal_harmonics
+from shrm.reflection_map import Part, ReflectionMap, require_no_residual, zonal_harmonics
 from shrm.validation import one_of, real_array, unit_vectors, whole_number
 
 FloatArray = npt.NDArray[np.float64]
@@ -101,7 +101,7 @@ def reflection_maps(rm: ReflectionMap, T: int) -> Float32Array:
         If T is out of its range, or the material has lobes about several centres.
     """
     views = grid_views(T).reshape(-1, 3)
-    if len(rm.parts) != 1 or rm.parts[0].zonal:
+    if len(rm.parts) != 1 or rm.parts[0].zonal or rm.residual is not None:
         maps = maps_at_views(rm, views)
         return maps.reshape(T, T, *maps.shape[1:])
     rings = np.asarray(rm.parts[0].rings, dtype=np.float32)
@@ -129,9 +129,10 @@ def three_dimensional_texture(rm: ReflectionMap, T: int) -> Float32Array:
     Raises
     ------
     TypeError, ValueError
-        If T is out of its range, or the material has several lobes.
+        If T is out of its range, the material has several lobes, or the map a residual.
     """
     whole_number("T", T, 1, 4096)
+    require_no_residual(rm, "the texture")
     if len(rm.parts) != 1:
         raise ValueError(f"{rm.brdf} has {len(rm.parts)} lobes: the texture holds one")
     part = rm.parts[0]
@@ -159,12 +160,13 @@ def without_azimuth(rm: ReflectionMap) -> ReflectionMap:
     Raises
     ------
     ValueError
-        If the maps were fitted to pictures.
+        If the maps were fitted to pictures, or have a residual.
     """
     if not isinstance(rm, ReflectionMap):
         raise TypeError(f"rm must be a ReflectionMap, got {type(rm).__name__}")
     if any(part.F < 0 for part in rm.parts):
         raise ValueError(f"{rm.brdf} was fitted to pictures, and has no coefficients to take q = 0 from")
+    require_no_residual(rm, "a map without azimuth")
     return replace(rm, parts=tuple(map(_radial, rm.parts)), predict=partial(float, "nan"))
 
 

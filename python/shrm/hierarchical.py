@@ -127,7 +127,7 @@ class HierarchicalReflection:
         self.size, self.layout = size, layout
         self.evaluations = 0.0
         self._pyramid = _core.Pyramid(pixels)
-        self._shape, self._order, self._targets = _texels(layout, size)
+        self._shape, self._order, self._targets = map_texels(layout, size)
         self._lobes = tuple(lobes)
         if threshold is None:
             assert error is not None
@@ -212,7 +212,7 @@ class HierarchicalReflection:
 
         They are lat-long, of as many rows.
         """
-        shape, order, targets = _texels("latlong", rows)
+        shape, order, targets = map_texels("latlong", rows)
         block, count = _core.HIERARCHICAL_BLOCK, len(order)
         random = np.random.default_rng(2000)
         # Each block of texels as one view sees it, which its first texel has at a frame drawn at random.
@@ -267,7 +267,7 @@ def _frames(lobe: LobeDescent, centers: Array, views: Array) -> Frames:
     return np.ascontiguousarray(lobe.normals(centers, views)), np.ascontiguousarray(views), centers
 
 
-def _texels(layout: str, size: int) -> tuple[tuple[int, ...], npt.NDArray[np.intp], Array]:
+def map_texels(layout: str, size: int) -> tuple[tuple[int, ...], npt.NDArray[np.intp], Array]:
     """Shape of a map, the places of its texels block by block, and their directions in that order."""
     C = map_directions(layout, size)
     order = _by_blocks(C.shape[:-1])

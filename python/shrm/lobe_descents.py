@@ -13,13 +13,14 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol, cast
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm import _core, lobe_tables
-from shrm.brdf.lobe import Center, refuse_anisotropic
+from shrm.brdf.lobe import Center, IsotropicLobe, refuse_anisotropic
 from shrm.central_direction import gamma_at, gamma_table, lobe_centre
 from shrm.lobe_integrals import (
     above_horizon,
@@ -28,9 +29,10 @@ from shrm.lobe_integrals import (
     central_directions,
     for_all_views,
     kind_of,
-    normals_of,
-    profile_arguments,
+    normals_at,
 )
+from shrm.lobe_split import SplitFunction
+from shrm.lobe_tables import Transfer
 from shrm.radial_table import NOTHING, Profile, integral_within, radial_table
 from shrm.validation import one_of
 
@@ -58,8 +60,11 @@ class LobeDescent(Protocol):
         Whether its maps differ from view to view.
     """
 
-    center: str
-    depends_on_view: bool
+    @property
+    def center(self) -> str: ...  # noqa: D102
+
+    @property
+    def depends_on_view(self) -> bool: ...  # noqa: D102
 
     def radiance(
         self, pyramid: _core.Pyramid, n: Array, v: Array, t: Array, threshold: float
@@ -78,21 +83,47 @@ def lobe_descent(lobe: Any) -> LobeDescent:
     refuse_anisotropic(lobe)
     kind = kind_of(lobe)
     if kind == "radial":
-        return RadialDescent(lobe.center, lobe.profile)
+        return RadialDescent.of(lobe.center, lobe.profile)
     if kind == "zonal":
         return ZonalDescent(lobe.center, lobe.profile)
-    return IsotropicDescent(lobe.center, lobe.transfer)
+    return IsotropicDescent.of(lobe.center, lobe.transfer)
 
 
+@dataclass(frozen=True, eq=False)
 class RadialDescent:
-    """A lobe of fixed shape about R or N."""
+    """A lobe of fixed shape about R or N: arrays alone, so that it can be stored.
 
-    depends_on_view = False
+    Attributes
+    ----------
+    center : {"reflection", "normal"}
+    values, shift, scale, support, integral, width
+        Of its `RadialTable`.
+    within : (1025, 2) float64
+        Angles, and the part of the integral within each, from 1 - LEFT_OUT to 1.
+    """
 
-    def __init__(self, center: str, profile: Profile) -> None:
-        self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
-        self._table = radial_table(profile, LEFT_OUT)
-        self._angle, self._within = integral_within(profile)
+    depends_on_view: ClassVar[bool] = False
+    center: str
+    values: npt.NDArray[np.float32]
+    shift: int
+    scale: float
+    support: float
+    integral: float
+    width: float
+    within: Array
+
+    @classmethod
+    def of(cls, center: str, profile: Profile) -> RadialDescent:
+        """Tabulate a profile."""
+        one_of("center of a radial lobe", center, ("reflection", "normal"))
+        table = radial_table(profile, LEFT_OUT)
+        angle, within = integral_within(profile)
+        # dense where little is left
+        left_out = LEFT_OUT * (np.arange(1025)[::-1] / 1024) ** 4
+        found = np.stack([np.interp(1 - left_out, within, angle), 1 - left_out], axis=1)
+        return cls(
+            center, table.values, table.shift, table.scale, table.support, table.integral, table.width, found
+        )
 
     def radiance(
         self, pyramid: _core.Pyramid, n: Array, v: Array, t: Array, threshold: float
@@ -101,9 +132,12 @@ class RadialDescent:
         left_out = min(LEFT_OUT, max(threshold, 1e-6))
         return _core.hierarchical_radial(
             pyramid=pyramid,
-            **profile_arguments(self._table),
-            outer=float(np.interp(1.0 - left_out, self._within, self._angle)),
-            **_depth(threshold, self._table.integral, FINEST * self._table.width),
+            profile=self.values,
+            shift=self.shift,
+            scale=self.scale,
+            support=self.support,
+            outer=float(np.interp(1.0 - left_out, self.within[:, 1], self.within[:, 0])),
+            **_depth(threshold, self.integral, FINEST * self.width),
             centres=central_directions(self.center, n, v, t),
         )
 
@@ -155,22 +189,63 @@ class ZonalDescent:
         return np.asarray(np.arccos(2 * cos2 - 1))
 
 
+@dataclass(frozen=True, eq=False)
 class IsotropicDescent:
-    """Any other lobe, cut at the horizon of N."""
+    """Any other lobe, cut at the horizon of N: arrays alone, so that it can be stored.
 
-    depends_on_view = True
+    Attributes
+    ----------
+    center : {"lobe", "reflection", "normal"}
+    gamma : (257,) float64
+        The angle between C and N over theta_v, radians.
+    width : float
+        Angle that holds half of the square, for the narrowest view: where light at the horizon has most of
+        the integral, the highlight is narrower.
+    envelope : (1 or channels, intervals + 2) float32
+    ratio
+        Of its `lobe_tables.IsotropicTable`, or of the lobe it is part of, see `lobe_tables.channel_tables`.
+    caps, integral
+        Of its `lobe_tables.IsotropicTable`.
+    above, below : float
+        Heights between which the lobe is, of the tabulated one (`shrm.lobe_split`): its core at the first,
+        then the smooth part of that at the second. Whole lobes are between 0 and infinity.
+    """
 
-    def __init__(self, center: str, transfer: Callable[[Array, Array], Array]) -> None:
-        self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+    depends_on_view: ClassVar[bool] = True
+    center: str
+    gamma: Array
+    width: float
+    envelope: npt.NDArray[np.float32]
+    ratio: npt.NDArray[np.float32]
+    caps: Array
+    integral: float
+    above: float = 0.0
+    below: float = float("inf")
+
+    @classmethod
+    def of(cls, center: str, transfer: Transfer) -> IsotropicDescent:
+        """Tabulate a lobe."""
+        one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
         table = lobe_tables.isotropic_table(transfer, LEFT_OUT)
-        # That of the square: where light at the horizon has most of the integral, the highlight is narrower.
-        self._width, self._integral = lobe_centre(transfer)[1], table.integral
-        self._table: dict[str, Any] = {
-            "envelope": table.envelope,
-            "ratio": table.ratio,
-            "caps": table.caps,
-        }
-        self._transfer = transfer
+        envelope = table.envelope[None]
+        gamma = gamma_table(cast(Center, center), transfer)
+        width = lobe_centre(transfer)[1]
+        return cls(center, gamma, width, envelope, table.ratio, table.caps, table.integral)
+
+    @classmethod
+    def of_core(cls, lobe: IsotropicLobe) -> IsotropicDescent:
+        """Tabulate the core of a lobe, or the smooth part of its core: the table is the lobe's.
+
+        Where a split lobe goes over from one part to the other, its ratio to the mean at a half angle
+        changes with the view within the highlight, where tables of the ratio have few nodes.
+        """
+        core, below = cast(SplitFunction, lobe.function), float("inf")
+        if core.part == "smooth":
+            core, below = cast(SplitFunction, core.whole), core.height
+        envelope, ratio = lobe_tables.channel_tables(core.whole)
+        caps, integral = lobe_tables.caps_and_integral(lobe.transfer, LEFT_OUT)
+        gamma, width = gamma_table(lobe.center, lobe.function), lobe_centre(lobe.function)[1]
+        return cls(lobe.center, gamma, width, envelope, ratio, caps, integral, core.height, below)
 
     def radiance(
         self, pyramid: _core.Pyramid, n: Array, v: Array, t: Array, threshold: float
@@ -179,21 +254,24 @@ class IsotropicDescent:
         n, v = above_horizon(self.center, n, v)
         return _core.hierarchical_isotropic(
             pyramid=pyramid,
-            **self._table,
-            **_depth(threshold, self._integral, FINEST_ISOTROPIC * self._width),
+            envelope=self.envelope,
+            ratio=self.ratio,
+            caps=self.caps,
+            **_depth(threshold, self.integral, FINEST_ISOTROPIC * self.width),
             normals=n,
             views=v,
+            above=self.above,
+            below=self.below,
         )
 
     def normals(self, centers: Array, v: Array) -> Array:
         """Normals of centres; see `LobeDescent`."""
-        return normals_of(self.center, self._transfer, centers, v)
+        return normals_at(self.center, self.gamma, centers, v)
 
     def theta_o(self, cos2: Array) -> Array:
         """Angles of views; see `LobeDescent`."""
         theta_v = np.arccos(np.sqrt(cos2))
-        center = cast(Center, self.center)
-        return np.asarray(theta_v + gamma_at(gamma_table(center, self._transfer), theta_v))
+        return np.asarray(theta_v + gamma_at(self.gamma, theta_v))
 
 
 def _depth(threshold: float, integral: float, finest: float) -> dict[str, Any]:

@@ -219,12 +219,17 @@ def for_all_views(center: str, profile: Callable[[Array, Array], Array]) -> Call
 
 def normals_of(center: str, transfer: Callable[[Array, Array], Array], centers: Array, v: Array) -> Array:
     """Normals (n, 3) of an isotropic lobe whose centres, seen from v, are `centers`."""
+    gamma = gamma_table("lobe", transfer) if center == "lobe" else np.zeros(0)
+    return normals_at(center, gamma, centers, v)
+
+
+def normals_at(center: str, gamma: Array, centers: Array, v: Array) -> Array:
+    """Normals (n, 3) whose centres, seen from v, are `centers`; gamma (257,) is that of the lobe centre."""
     if center == "normal":
         return centers
     if center == "reflection":
         return bisector(centers, v)
     # theta_o = theta_v + gamma(theta_v) is monotone: read it backwards.
-    gamma = gamma_table("lobe", transfer)
     theta_v = np.linspace(0, np.pi / 2, len(gamma))
     theta_o = np.maximum.accumulate(theta_v + gamma)
     x, angle = across(v, centers)

@@ -169,7 +169,7 @@ def half_angle_table(transfer: Transfer, tolerance: float) -> HalfAngleTable | N
 
     for cos_v in np.cos(view_nodes()[::8]):
         wi, _ = light_quadrature(cos_v)
-        view = _view(cos_v, len(wi))
+        view = view_at(cos_v, len(wi))
         value = np.asarray(transfer(wi, view))
         if value.ndim > 1:
             return None
@@ -215,24 +215,48 @@ class IsotropicTable:
 
 def isotropic_table(transfer: Transfer, tolerance: float) -> IsotropicTable:
     """Tabulate a lobe in the frame of its normal."""
-    envelope = _envelope(transfer)
-    light = _light_nodes()
-    planes, caps = [], []
-    for cos_v in np.cos(view_nodes()):
-        rho = channels_last(transfer(light, _view(cos_v, len(light))))
-        plane = rho / _envelope_at(envelope, light, _view(cos_v, len(light)))[:, None]
-        planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))
-        caps.append(cap_at(transfer, cos_v, tolerance))
-    ratio = _padded(_padded(np.array(planes), axis=2), axis=3)
+    envelope = _envelopes(transfer, ENVELOPE_INTERVALS, of_channels=False)
+    caps, integral = caps_and_integral(transfer, tolerance)
     table = IsotropicTable(
-        envelope=_padded(envelope, axis=0).astype(np.float32),
-        ratio=np.ascontiguousarray(ratio.astype(np.float32)),
-        caps=np.array(caps),
+        envelope=_padded(envelope[0], axis=0).astype(np.float32),
+        ratio=_ratio(transfer, envelope),
+        caps=caps,
         width=cap_at(transfer, np.sqrt(0.5), 0.5)[1],
-        integral=_mean_integral(transfer),
+        integral=integral,
         error=0.0,
     )
     return replace(table, error=_isotropic_error(table, transfer))
+
+
+def channel_tables(transfer: Transfer) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    """Tabulate a lobe that may be narrower than what an `IsotropicTable` resolves.
+
+    The envelope, (channels, intervals + 2), has eight times as many intervals and one row for each channel:
+    highlights of different widths have no ratio to their mean that a few hundred directions tell. The ratio
+    is of the shape of an `IsotropicTable`'s.
+    """
+    envelopes = _envelopes(transfer, 8 * ENVELOPE_INTERVALS, of_channels=True)
+    envelope = np.ascontiguousarray(_padded(envelopes, axis=1).astype(np.float32))
+    return envelope, _ratio(transfer, envelopes)
+
+
+def _ratio(transfer: Transfer, envelopes: Array) -> npt.NDArray[np.float32]:
+    """The lobe divided by its envelopes, (1 or channels, intervals + 1)."""
+    light = _light_nodes()
+    planes = []
+    for cos_v in np.cos(view_nodes()):
+        view = view_at(cos_v, len(light))
+        enveloped = np.stack([_envelope_at(envelope, light, view) for envelope in envelopes], axis=1)
+        plane = channels_last(transfer(light, view)) / enveloped
+        planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))
+    ratio = _padded(_padded(np.array(planes), axis=2), axis=3)
+    return np.ascontiguousarray(ratio.astype(np.float32))
+
+
+def caps_and_integral(transfer: Transfer, tolerance: float) -> tuple[Array, float]:
+    """Return those attributes of a lobe's table alone."""
+    caps = np.array([cap_at(transfer, cos_v, tolerance) for cos_v in np.cos(view_nodes())])
+    return caps, _mean_integral(transfer)
 
 
 def view_place(cos_v: Array) -> Array:
@@ -259,7 +283,7 @@ def light_quadrature(cos_v: float, n_theta: int = 96, n_phi: int = 40) -> tuple[
     phi, w_phi = 0.5 * (1 + y) * np.pi, w_y * np.pi / 2
     a, b = np.meshgrid(theta, phi, indexing="ij")
     h = np.stack([np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)], axis=-1).reshape(-1, 3)
-    v = _view(cos_v, 1)[0]
+    v = view_at(cos_v, 1)[0]
     vh = h @ v
     wi = 2 * vh[:, None] * h - v
     weight = np.outer(w_theta, w_phi).ravel() * 8 * vh
@@ -273,7 +297,7 @@ def _gauss(n: int) -> tuple[Array, Array]:
     return nodes, weights
 
 
-def _view(cos_v: float, n: int) -> Array:
+def view_at(cos_v: float, n: int) -> Array:
     """A view in the x-z plane, n times; just above the horizon if it lies on it."""
     cos_v = max(cos_v, HORIZON)
     return np.tile([np.sqrt(1 - cos_v**2), 0.0, cos_v], (n, 1))
@@ -292,20 +316,21 @@ def _light_nodes() -> Array:
     return np.stack(parts, axis=-1).reshape(-1, 3)
 
 
-def _envelope(transfer: Transfer) -> Array:
-    """Mean of the lobe at each half angle, L and V at equal heights on both sides of H.
+def _envelopes(transfer: Transfer, intervals: int, *, of_channels: bool) -> Array:
+    """Mean of the lobe at each half angle, L and V at equal heights on both sides of H: (C, intervals + 1).
 
-    At such difference angles (phi_d = 90 degrees) the horizon never cuts in, so the mean is smooth.
+    C is 1, the mean over channels, or their number. At such difference angles (phi_d = 90 degrees) the
+    horizon never cuts in, so the mean is smooth.
     """
-    theta_h = 2 * np.arctan(np.arange(ENVELOPE_INTERVALS + 1) / ENVELOPE_INTERVALS)
+    theta_h = 2 * np.arctan(np.arange(intervals + 1) / intervals)
     theta_h = np.minimum(theta_h, np.pi / 2 - HORIZON)
     h = np.stack([np.sin(theta_h), np.zeros_like(theta_h), np.cos(theta_h)], axis=-1)
-    mean = np.zeros(len(theta_h))
+    mean = np.zeros(1)
     for theta_d in np.linspace(0, np.pi / 2, 12, endpoint=False):
         across = np.array([0.0, np.sin(theta_d), 0.0])
-        rho = channels_last(transfer(np.cos(theta_d) * h + across, np.cos(theta_d) * h - across))
-        mean += np.abs(rho).mean(axis=1) / 12
-    return np.maximum(mean, max(1e-12 * mean.max(), np.finfo(np.float32).tiny))
+        rho = np.abs(channels_last(transfer(np.cos(theta_d) * h + across, np.cos(theta_d) * h - across)))
+        mean = mean + (rho if of_channels else rho.mean(axis=1, keepdims=True)) / 12
+    return np.asarray(np.maximum(mean, np.maximum(1e-12 * mean.max(axis=0), np.finfo(np.float32).tiny)).T)
 
 
 def _envelope_at(envelope: Array, wi: Array, wo: Array) -> Array:
@@ -324,7 +349,7 @@ def _mean_angle(wi: Array, energy: Array) -> float:
 def cap_at(transfer: Transfer, cos_v: float, left_out: float) -> tuple[float, float]:
     """Return a lobe's centre for a view, and the angle about it that holds all but a part of its integral."""
     wi, weight = light_quadrature(cos_v)
-    energy = weight * np.abs(channels_last(transfer(wi, _view(cos_v, len(wi))))).sum(axis=1)
+    energy = weight * np.abs(channels_last(transfer(wi, view_at(cos_v, len(wi))))).sum(axis=1)
     centre = _mean_angle(wi, energy)
     if left_out == 0 or not energy.sum() > 0:
         return 0.0, float(np.pi)
@@ -339,7 +364,7 @@ def _mean_integral(transfer: Transfer) -> float:
     of_views = []
     for c2 in (np.arange(8) + 0.5) / 8:
         wi, weight = light_quadrature(np.sqrt(c2))
-        of_views.append(weight @ np.abs(channels_last(transfer(wi, _view(np.sqrt(c2), len(wi))))))
+        of_views.append(weight @ np.abs(channels_last(transfer(wi, view_at(np.sqrt(c2), len(wi))))))
     return float(np.mean(of_views, axis=0).max())
 
 
@@ -348,7 +373,7 @@ def _isotropic_error(table: IsotropicTable, transfer: Transfer) -> float:
     wrong = total = 0.0
     for c2 in (np.arange(24) + 0.47) / 24:
         wi, weight = light_quadrature(np.sqrt(c2), 61, 31)
-        exact = channels_last(transfer(wi, _view(np.sqrt(c2), len(wi))))
+        exact = channels_last(transfer(wi, view_at(np.sqrt(c2), len(wi))))
         wrong += float(weight @ np.sum((_evaluate(table, wi, np.sqrt(c2)) - exact) ** 2, axis=1))
         total += float(weight @ np.sum(exact**2, axis=1))
     return float(np.sqrt(wrong / total)) if total > 0 else 0.0
@@ -366,5 +391,5 @@ def _evaluate(table: IsotropicTable, wi: Array, cos_v: float) -> Array:
     tl, ta = xl - kl, xa - ka
     low = plane[:, kl, ka] * (1 - ta) + plane[:, kl, ka + 1] * ta
     high = plane[:, kl + 1, ka] * (1 - ta) + plane[:, kl + 1, ka + 1] * ta
-    e = _envelope_at(table.envelope[:-1].astype(np.float64), wi, _view(cos_v, len(wi)))
+    e = _envelope_at(table.envelope[:-1].astype(np.float64), wi, view_at(cos_v, len(wi)))
     return np.asarray((e * (low * (1 - tl) + high * tl)).T)

@@ -37,6 +37,7 @@ def prefilter(
     window: Window | None = ...,
     clamp: bool = ...,
     half: bool = ...,
+    residual: Literal["auto"] | None = ...,
     method: Literal["frequency"] = ...,
     views: int = ...,
 ) -> ReflectionMap: ...
@@ -73,6 +74,7 @@ def prefilter(
     window: Window | None = None,
     clamp: bool = False,
     half: bool = False,
+    residual: Literal["auto"] | None = None,
     method: Method = "frequency",
     views: int = 1,
 ) -> Reflection:
@@ -86,13 +88,13 @@ def prefilter(
         The material, of one lobe or several.
     tolerance : float
         The error wanted, in (0, 1); by default the relative RMS of the reflected radiance.
-    orders, criterion, size, layout, center, F_max, P_max, window, clamp, half
+    orders, criterion, size, layout, center, F_max, P_max, window, clamp, half, residual
         As in `shrm.prefiltering.prefilter`.
     method : {"frequency", "angular", "hierarchical", "auto"}
         In frequency space; by integration (`shrm.prefilter_angular`), for sharp lobes; by integration in a
         pyramid (`shrm.prefilter_hierarchical`), for sharp lobes under large pictures; or whichever is
         predicted to cost least at the tolerance (`shrm.cost`). Integration knows no orders, criteria,
-        windows, clamping or halves.
+        windows, clamping, halves or residuals.
     views : int
         For how many views a map is wanted, for the prediction.
 
@@ -128,10 +130,12 @@ def prefilter(
             window=window,
             clamp=clamp,
             half=half,
+            residual=residual,
         )
-    if orders is not None or criterion != "light" or window is not None or clamp or half:
+    if orders is not None or criterion != "light" or window is not None or clamp or half or residual:
         raise ValueError(
-            f"method {method!r} takes no orders, criterion, window, clamp or half: use method='frequency'"
+            f"method {method!r} takes no orders, criterion, window, clamp, half or residual: "
+            "use method='frequency'"
         )
     if not isinstance(brdf, BRDF):
         raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")

@@ -229,7 +229,7 @@ def error_of(
     lobes = analysed(brdf, L, max(P for _, P in orders))
     results = []
     for index, (lobe, (F, P)) in enumerate(zip(lobes, orders, strict=True)):
-        measure = _Measure(lobe, power, criterion)
+        measure = Measure(lobe, power, criterion)
         window = None if degree_weights is None else degree_weights[index]
         results.append(LobeOrders(F, P, measure.residual(F, P, window), measure.total))
     return _combined(results, "", criterion)
@@ -261,7 +261,7 @@ def analysed(brdf: BRDF, L: int, P: int) -> tuple[LobeAnalysis, ...]:
     return tuple(analyse(lobe, L, P) for lobe in brdf.lobes)
 
 
-class _Measure:
+class Measure:
     """Squared errors of one lobe under one light, in one criterion's measure."""
 
     def __init__(self, lobe: LobeAnalysis, power: LightPower, criterion: Criterion) -> None:
@@ -321,7 +321,7 @@ def _choose_at(
 
     Also tells whether no larger degree can help: what degrees lose in p > P_max stays lost.
     """
-    measures = [_Measure(lobe, power, criterion) for lobe in lobes]
+    measures = [Measure(lobe, power, criterion) for lobe in lobes]
     whole = sum(measure.total for measure in measures)
     squared = tolerance**2 if criterion == "light" else tolerance
     allowed = squared * whole / len(lobes)

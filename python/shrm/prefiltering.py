@@ -11,6 +11,7 @@ References
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from functools import cache
 from typing import Literal, get_args
@@ -21,23 +22,26 @@ import numpy.typing as npt
 from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center, IsotropicLobe, RadialLobe
 from shrm.brdf_analysis import LobeAnalysis
-from shrm.central_direction import gamma_at
 from shrm.environment import Environment
+from shrm.map_interpolation import interpolation_error, map_spectrum, measured_interpolation_error
 from shrm.orders import (
     F_MAX,
     P_MAX,
     Criterion,
     LightPower,
+    ToleranceWarning,
     analysed,
     analysis_degree,
     choose,
-    degree_power,
     error_of,
     require_orders,
     require_tolerance,
 )
+from shrm.reference import DEFAULT_SIZE
 from shrm.reflection_map import Part, ReflectionMap
+from shrm.residual import Residual, map_names, residual_for
 from shrm.rings import Layout
+from shrm.split_orders import CORE_SHARE, Split, split_for
 from shrm.validation import one_of, whole_number
 
 FloatArray = npt.NDArray[np.float64]
@@ -64,6 +68,7 @@ def prefilter(
     window: Window | None = None,
     clamp: bool = False,
     half: bool = False,
+    residual: Literal["auto"] | None = None,
 ) -> ReflectionMap:
     """Prefilter an environment with a material.
 
@@ -96,6 +101,11 @@ def prefilter(
     half : bool
         Keep the maps as half floats: half the memory, half the time of `at_view`, 5e-4 of relative rounding.
         The coefficients stay in full precision; files hold the rounded maps as 32-bit floats.
+    residual : "auto", optional
+        Split off the cores of lobes that the orders, given or within the caps, cannot hold at the tolerance;
+        they are integrated, or looked up, whenever the map is read (`shrm.residual`). The maps are then 128
+        rows, or 64 of a face, at least. For the criterion `light` without a window; lobes about the tangent
+        stay whole.
 
     Returns
     -------
@@ -104,14 +114,50 @@ def prefilter(
     Warns
     -----
     ToleranceWarning
-        If the tolerance cannot be met within the caps.
+        If the tolerance cannot be met within the caps; with a residual, if it is not met even so.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type or out of its range, the maps would take more than 4 GiB, or, as
-        half floats, hold values beyond 65504.
+        If an argument is of another type or out of its range, a residual does not go with others, the maps
+        would take more than 4 GiB, or, as half floats, hold values beyond 65504.
     """
+    return prefilter_split(
+        env,
+        brdf,
+        tolerance=tolerance,
+        orders=orders,
+        criterion=criterion,
+        size=size,
+        layout=layout,
+        center=center,
+        F_max=F_max,
+        P_max=P_max,
+        window=window,
+        clamp=clamp,
+        half=half,
+        residual=residual,
+    )[0]
+
+
+def prefilter_split(
+    env: Environment,
+    brdf: BRDF,
+    *,
+    tolerance: float,
+    orders: tuple[int, int] | None,
+    criterion: Criterion,
+    size: int | None,
+    layout: Layout,
+    center: Center | None,
+    F_max: int,
+    P_max: int,
+    window: Window | None,
+    clamp: bool,
+    half: bool,
+    residual: Literal["auto"] | None,
+) -> tuple[ReflectionMap, Split | None, float]:
+    """Return what `prefilter` does, what was split off, and the relative error of the cores."""
     if not isinstance(env, Environment):
         raise TypeError(f"env must be an Environment, got {type(env).__name__}")
     if not isinstance(brdf, BRDF):
@@ -124,6 +170,10 @@ def prefilter(
         whole_number("size", size, 2, 8192)
         if size % 2:
             raise ValueError(f"size must be even, got {size}")
+    if residual is not None:
+        one_of("residual", residual, ("auto",))
+        if criterion != "light" or window is not None:
+            raise ValueError("residual='auto' is for criterion='light' without a window")
     if center is not None:
         brdf = brdf.recentred(center)
 
@@ -131,7 +181,14 @@ def prefilter(
         if not isinstance(flag, bool):
             raise TypeError(f"{name} must be True or False, got {flag!r}")
     require_tolerance(tolerance)
-    if orders is None:
+    split = None
+    if residual is not None:
+        split = split_for(env, brdf, tolerance, None if orders is None else _pair(orders), F_max, P_max)
+    whole, cores = brdf, False
+    if split is not None:
+        brdf, lobe_orders, cores = split.smooth, list(split.orders), split.has_cores
+        L, most = split.analysed_to
+    elif orders is None:
         chosen = choose(brdf, tolerance, criterion, env, F_max=F_max, P_max=P_max)
         lobe_orders = [(lobe.F, lobe.P) for lobe in chosen.lobes]
         L, most = analysis_degree(max(F for F, _ in lobe_orders), F_max), P_max
@@ -145,6 +202,8 @@ def prefilter(
     light = env.coefficients(max(F for F, _ in lobe_orders))
 
     def truncation_error() -> float:
+        if split is not None:
+            return split.energy(env).truncation
         power = LightPower.of(env, max(F_max, *(F for F, _ in lobe_orders)))
         windows = [degree_window(window, F) for F, _ in lobe_orders]
         return error_of(brdf, lobe_orders, power, criterion, windows).error
@@ -155,11 +214,16 @@ def prefilter(
     def spectra() -> list[FloatArray]:  # only where a size or an error is asked for
         return [map_spectrum(part) for part in parts]
 
+    def share() -> float:  # of the smooth parts in what is reflected
+        return 1.0 if split is None else max(split.energy(env).smooth_share, 1e-3)
+
     if size is not None:
         sizes, wanted = [int(size)], np.inf
     else:
-        wanted = 0.1 * max(truncation_error(), 1e-3)
-        sizes = [s for s in _SIZES if interpolation_error(spectra(), s, layout) <= wanted][:4] or [_SIZES[-1]]
+        wanted = 0.1 * max(truncation_error(), 1e-3) / share()
+        least = DEFAULT_SIZE[layout] if cores else 0
+        enough = [s for s in _SIZES if s >= least and interpolation_error(spectra(), s, layout) <= wanted]
+        sizes = enough[:4] or [_SIZES[-1]]
     for chosen_size in sizes:  # the first suffices but for fits that are ill-conditioned
         sampled = tuple(part.resized(chosen_size, layout) for part in parts)
         if chosen_size == sizes[-1] or measured_interpolation_error(sampled) <= wanted:
@@ -168,12 +232,50 @@ def prefilter(
     def between_texels() -> float:
         return max(interpolation_error(spectra(), chosen_size, layout), measured_interpolation_error(sampled))
 
+    of_cores, off = None, 0.0
+    if split is not None:
+        of_cores, off = _residual(env, split, sampled, tolerance)
+        error = float(np.hypot(truncation_error(), off))
+        if error > tolerance:
+            warnings.warn(
+                f"{whole.name}: tolerance {tolerance:g} is not met with a residual: the error is {error:.3g}",
+                ToleranceWarning,
+                stacklevel=3,
+            )
+
     def predict() -> float:
-        return float(np.hypot(truncation_error(), between_texels() if criterion == "light" else 0.0))
+        between = share() * between_texels() if criterion == "light" else 0.0
+        return float(np.sqrt(truncation_error() ** 2 + between**2 + off**2))
 
     if half:
         sampled = tuple(part.as_half() for part in sampled)
-    return ReflectionMap(sampled, brdf.name, criterion, window, clamp, predict)
+    return ReflectionMap(sampled, whole.name, criterion, window, clamp, predict, of_cores), split, off
+
+
+def _residual(
+    env: Environment, split: Split, parts: Sequence[Part], tolerance: float
+) -> tuple[Residual | None, float]:
+    """The residual of a split material, and its error relative to what the whole reflects."""
+    names = map_names([part.center for part in parts])
+    cores = [
+        (name, core, part.center, part.gamma)
+        for name, core, part in zip(names, split.cores, parts, strict=True)
+        if core is not None
+    ]
+    if not cores:
+        return None, 0.0
+    whole = split.energy(env).whole
+    allowed = (CORE_SHARE * tolerance) ** 2 * whole
+    made, error = residual_for(env.pixels, cores, parts[0].layout, parts[0].size, allowed)
+    return made, float(np.sqrt(error / whole)) if whole > 0 else 0.0
+
+
+def predicted_split_error(env: Environment, split: Split, parts: Sequence[Part], of_cores: float) -> float:
+    """Return the error of maps with a residual, as `predicted_error` does; that of the cores is given."""
+    energy = split.energy(env)
+    spectra = [map_spectrum(part) for part in parts]
+    between = energy.smooth_share * interpolation_error(spectra, parts[0].size, parts[0].layout)
+    return float(np.sqrt(energy.truncation**2 + between**2 + of_cores**2))
 
 
 def predicted_error(
@@ -216,78 +318,6 @@ def degree_window(name: Window | None, F: int) -> FloatArray:
     if name == "lanczos":
         return np.asarray(np.sinc(x))
     return np.ones(F + 1)
-
-
-def map_spectrum(part: Part) -> FloatArray:
-    """Energy of each degree of a part's maps, all maps and channels together: (J+1,)."""
-    return np.asarray(degree_power(part.coefficients.reshape(len(part.coefficients), -1)).sum(axis=1))
-
-
-def interpolation_error(spectra: list[FloatArray], size: int, layout: Layout) -> float:
-    """Relative RMS error of four-point Lagrange interpolation between the texels of a map.
-
-    A degree j turns by j h radians from one texel to the next, at most; its error is that of interpolating
-    e^{i j h x} in one dimension, the mean over x.
-
-    Parameters
-    ----------
-    spectra : list of (J+1,) float64
-        Energy of each degree of the maps of each part.
-    size : int
-        Rows of a lat-long map, or of a cube's face.
-    layout : {"latlong", "cube"}
-        The grid.
-    """
-    spacing = np.pi / size if layout == "latlong" else 2 / size  # the widest texels, at a face's centre
-    t = (np.arange(16) + 0.5) / 16
-    weights = np.array(
-        [
-            -t * (t - 1) * (t - 2) / 6,
-            (t + 1) * (t - 1) * (t - 2) / 2,
-            -(t + 1) * t * (t - 2) / 2,
-            (t + 1) * t * (t - 1) / 6,
-        ]
-    )
-    J = max(len(s) for s in spectra)
-    shifts = np.arange(-1, 3)[:, None] - t
-    turn = np.exp(1j * np.arange(J)[:, None, None] * spacing * shifts)  # (degree, sample, t)
-    squared = np.mean(np.abs((weights * turn).sum(axis=1) - 1) ** 2, axis=1)
-    lost = sum(float((s * squared[: len(s)]).sum()) for s in spectra)
-    whole = sum(float(s.sum()) for s in spectra)
-    return float(np.sqrt(lost / whole)) if whole > 0 else 0.0
-
-
-def measured_interpolation_error(parts: Sequence[Part], frames: int = 128) -> float:
-    """Relative RMS error of cubic look-ups against the exact series, over frames of every orientation.
-
-    The spectrum of the maps tells it precisely where the fit over theta_o is well conditioned; where it
-    is not, maps hold large values for views that do not occur, and only the radiance itself tells.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-        The sampled maps of all lobes.
-    frames : int
-        Central directions on a Fibonacci spiral, each with one view.
-    """
-    i = np.arange(frames) + 0.5
-    golden = (np.sqrt(5) - 1) / 2
-    z, phi, spin = 1 - 2 * i / frames, 2 * np.pi * golden * i, 2 * np.pi * golden**2 * i
-    s = np.sqrt(1 - z**2)
-    C = np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=1)
-    x = np.stack([z * np.cos(phi), z * np.sin(phi), -s], axis=1)  # d C / d theta
-    across = np.cos(spin)[:, None] * x + np.sin(spin)[:, None] * np.cross(C, x)
-    share = (golden * 7 * i) % 1  # of the views: cos^2(theta_v), or (1 + cos theta_o) / 2 about the tangent
-    lost = whole = 0.0
-    for part in parts:
-        theta_v = np.arccos(np.sqrt(share))
-        about_tangent = part.center == "tangent"
-        theta_o = np.arccos(2 * share - 1) if about_tangent else theta_v + gamma_at(part.gamma, theta_v)
-        V = np.cos(theta_o)[:, None] * C + np.sin(theta_o)[:, None] * across
-        exact, looked_up = part.series(C, V), part.looked_up(C, V)
-        lost += float(((looked_up - exact) ** 2).sum())
-        whole += float((exact**2).sum())
-    return float(np.sqrt(lost / whole)) if whole > 0 else 0.0
 
 
 def _unsampled(lobe: LobeAnalysis, light: FloatArray, F: int, P: int, window: Window | None) -> Part:

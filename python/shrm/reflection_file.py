@@ -12,7 +12,8 @@ A multi-part file of 32-bit floats. For lobe k of the material:
 `k.gamma`
     One row: the angle between C and N over theta_v from 0 to pi/2, radians. Not there about the tangent.
 
-The metadata of `0.maps` says the rest in words and numbers under the prefix `shrm:`.
+The metadata of `0.maps` says the rest in words and numbers under the prefix `shrm:`. A residual has parts of
+its own (`shrm.residual_file`), and makes the file one of version 2: what reads version 1 would lose it.
 """
 
 from __future__ import annotations
@@ -28,11 +29,13 @@ from shrm import image_io
 from shrm.brdf.lobe import Center
 from shrm.image_io import ImageError
 from shrm.reflection_map import Part, ReflectionMap, require_maps
+from shrm.residual import map_names
+from shrm.residual_file import read_residual, residual_parts
 from shrm.rings import BORDER, Layout, synthesised
 
 FloatArray = npt.NDArray[np.float64]
 
-VERSION = 1
+VERSION, WITH_RESIDUAL = 1, 2
 
 _CONVENTIONS = {
     "shrm:axes": "right-handed, z up; lat-long: row 0 at +z, column centres at phi = pi - 2 pi (j + 1/2) / W "
@@ -69,7 +72,7 @@ def save(rm: ReflectionMap, path: str | Path) -> None:
         }
         if k == 0:
             about |= _CONVENTIONS | {
-                "shrm:version": VERSION,
+                "shrm:version": VERSION if rm.residual is None else WITH_RESIDUAL,
                 "shrm:lobes": len(rm.parts),
                 "shrm:brdf": rm.brdf,
                 "shrm:error": rm.error,
@@ -86,6 +89,8 @@ def save(rm: ReflectionMap, path: str | Path) -> None:
             parts.append(_image(f"{k}.rho", part.rho.reshape(part.F + 1, -1, 3), "RGB"))
         if len(part.gamma):
             parts.append(_image(f"{k}.gamma", part.gamma[None, :, None], "Y"))
+    if rm.residual is not None:
+        parts += residual_parts(rm.residual)
     image_io.write_parts(path, parts)
 
 
@@ -106,9 +111,10 @@ def load(path: str | Path) -> ReflectionMap:
     if "0.maps" not in images or "shrm:version" not in images["0.maps"].metadata:
         raise ImageError(f"{path}: no reflection map (it has no part 0.maps with shrm's metadata)")
     about = images["0.maps"].metadata
-    if about["shrm:version"] != VERSION:
+    if about["shrm:version"] not in (VERSION, WITH_RESIDUAL):
         raise ImageError(
-            f"{path}: a reflection map of version {about['shrm:version']}, this reads version {VERSION}"
+            f"{path}: a reflection map of version {about['shrm:version']}, this reads versions {VERSION} and"
+            f" {WITH_RESIDUAL}"
         )
     try:
         lobes = _number(about, "shrm:lobes")
@@ -117,6 +123,11 @@ def load(path: str | Path) -> ReflectionMap:
         parts = tuple(_part(images, k) for k in range(lobes))
         error = float(cast(float, about["shrm:error"]))
         window = str(about["shrm:window"])
+        residual = None
+        if about["shrm:version"] == WITH_RESIDUAL:
+            names = map_names([part.center for part in parts])
+            maps = [(name, part.center, part.gamma) for name, part in zip(names, parts, strict=True)]
+            residual = read_residual(images, maps, parts[0].layout, parts[0].size)
         return ReflectionMap(
             parts,
             str(about["shrm:brdf"]),
@@ -124,6 +135,7 @@ def load(path: str | Path) -> ReflectionMap:
             None if window == "none" else window,
             bool(about["shrm:clamp"]),
             lambda: error,
+            residual,
         )
     except (KeyError, ValueError, TypeError, IndexError, OverflowError) as fault:
         raise ImageError(f"{path}: a damaged reflection map ({fault})") from fault

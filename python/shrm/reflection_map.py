@@ -28,6 +28,7 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.brdf.lobe import Center
+from shrm.residual import Residual, map_names
 from shrm.rings import BORDER, Float16Array, Float32Array, Layout, halved, synthesised
 from shrm.sh import basis_size, degree_of
 from shrm.validation import one_of, require_array, unit_vectors
@@ -235,6 +236,9 @@ class ReflectionMap:
         Whether negative radiance is set to zero when read, lobe by lobe.
     predict : callable
         Computes `error` when it is first asked for: it takes longer than the maps.
+    residual : Residual or None
+        What the orders cannot hold of sharp lobes: `radiance` and `at_view` add it. `Residual.radiance` and
+        `Residual.at_view` are it alone.
     """
 
     parts: tuple[Part, ...]
@@ -243,6 +247,7 @@ class ReflectionMap:
     window: str | None
     clamp: bool
     predict: Callable[[], float]
+    residual: Residual | None = None
 
     @property
     def F(self) -> int:
@@ -333,6 +338,8 @@ class ReflectionMap:
             )
             if self.clamp:
                 radiance += np.maximum(of_lobe, 0)
+        if self.residual is not None:
+            radiance += self.residual.radiance(N, V)
         return radiance
 
     def at_view(
@@ -365,12 +372,7 @@ class ReflectionMap:
         if out is not None and len(self.parts) > 1:
             raise ValueError(f"out is for materials of one lobe, and {self.brdf} has {len(self.parts)}")
         maps: dict[str, Float32Array] = {}
-        lobes = 0
-        for part in self.parts:
-            name: str = part.center
-            if part.center == "lobe":
-                lobes += 1
-                name = "lobe" if lobes == 1 else f"lobe {lobes}"
+        for name, part in zip(map_names([part.center for part in self.parts]), self.parts, strict=True):
             if out is not None:
                 require_array("out", out, part.shape, np.float32, writeable=True)
             pixels = np.empty(part.shape, dtype=np.float32) if out is None else out
@@ -378,6 +380,9 @@ class ReflectionMap:
             if self.clamp:
                 np.maximum(pixels, 0, out=pixels)
             maps[name] = maps[name] + pixels if name in maps else pixels
+        if self.residual is not None:
+            for name, pixels in self.residual.maps(V).items():
+                maps[name] += pixels
         return next(iter(maps.values())) if len(maps) == 1 else maps
 
     def save(self, path: str | Path) -> None:
@@ -413,6 +418,14 @@ class ReflectionMap:
 
     def __repr__(self) -> str:
         return f"<ReflectionMap {self.brdf}: F={self.F} P={self.P} {self.layout} {self.parts[0].size}>"
+
+
+def require_no_residual(rm: ReflectionMap, what: str) -> None:
+    """Raise ValueError if a map has a residual, which `what` would lose."""
+    if rm.residual is not None:
+        raise ValueError(
+            f"{rm.brdf} has a residual, which {what} cannot hold: prefilter without residual='auto'"
+        )
 
 
 def zonal_harmonics(P: int, cosine: FloatArray) -> FloatArray:

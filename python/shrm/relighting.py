@@ -11,8 +11,10 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +25,13 @@ from shrm.brdf.lobe import Center
 from shrm.brdf_analysis import LobeAnalysis
 from shrm.environment import Environment
 from shrm.orders import F_MAX, P_MAX, Criterion, analysed, analysis_degree
-from shrm.prefiltering import Window, predicted_error, prefilter, windowed
+from shrm.prefiltering import (
+    Window,
+    predicted_error,
+    predicted_split_error,
+    prefilter_split,
+    windowed,
+)
 from shrm.reflection_map import Part, ReflectionMap
 from shrm.rings import Float16Array, Float32Array, Layout, empty_halves, require_half_range
 from shrm.validation import rotation as checked_rotation
@@ -40,8 +48,9 @@ class Prefilter:
         The first light; later ones have its size.
     brdf : BRDF
         The material.
-    tolerance, orders, criterion, size, layout, center, F_max, P_max, window, clamp, half
-        As in `shrm.prefilter`. A tolerance chooses the orders for the first light; later ones keep them.
+    tolerance, orders, criterion, size, layout, center, F_max, P_max, window, clamp, half, residual
+        As in `shrm.prefilter`. A tolerance chooses the orders, and what is split off, for the first light;
+        later ones keep them.
 
     Attributes
     ----------
@@ -85,8 +94,9 @@ class Prefilter:
         window: Window | None = None,
         clamp: bool = False,
         half: bool = False,
+        residual: Literal["auto"] | None = None,
     ) -> None:
-        self.map = prefilter(
+        self.map, self._split, self._of_cores = prefilter_split(
             env,
             brdf,
             tolerance=tolerance,
@@ -100,6 +110,7 @@ class Prefilter:
             window=window,
             clamp=clamp,
             half=half,
+            residual=residual,
         )
         self._env = env
         self._center = center
@@ -135,7 +146,7 @@ class Prefilter:
             Rotates the last environment that was given, L'(w) = L(R^T w), as `Environment.rotated` but in the
             coefficients: no texel is touched. It replaces an earlier rotation.
         brdf : BRDF, optional
-            Another material, with lobes of the same kinds about the same centres.
+            Another material, with lobes of the same kinds about the same centres; not beside a residual.
 
         Returns
         -------
@@ -145,8 +156,8 @@ class Prefilter:
         Raises
         ------
         TypeError, ValueError
-            If the light has another size, R is no rotation, the material has other lobes, or half floats do
-            not reach the values of the new maps. The map stays as it was.
+            If the light has another size, R is no rotation, the material has other lobes or there is a
+            residual, or half floats do not reach the values of the new maps. The map stays as it was.
         """
         if env is not None and not isinstance(env, Environment):
             raise TypeError(f"env must be an Environment, got {type(env).__name__}")
@@ -155,6 +166,10 @@ class Prefilter:
         R = self._rotation if env is None else None
         if rotation is not None:
             R = checked_rotation("rotation", rotation).copy()
+        if brdf is not None and self._split is not None:
+            raise ValueError(
+                "brdf cannot change beside a residual, which is split off for one: prefilter anew"
+            )
         material = self._material if brdf is None else self._of_the_same_kind(brdf)
 
         light = self._light
@@ -179,10 +194,16 @@ class Prefilter:
         parts = tuple(
             plan.keep(rotated, gamma, rho) for plan, (gamma, rho) in zip(self._plans, tables, strict=True)
         )
-        predict = partial(
+        predict: Callable[[], float] = partial(
             predicted_error, self._env, material, parts, self._criterion, self._window, self._F_max
         )
-        self.map = replace(self.map, parts=parts, brdf=material.name, predict=predict)
+        residual = self.map.residual
+        if self._split is not None:
+            predict = partial(predicted_split_error, self._env, self._split, parts, self._of_cores)
+        if residual is not None:
+            residual = residual if env is None else residual.relit(env.pixels)
+            residual = residual.rotated(np.eye(3) if R is None else R)
+        self.map = replace(self.map, parts=parts, brdf=material.name, predict=predict, residual=residual)
         return self.map
 
     def _of_the_same_kind(self, brdf: BRDF) -> BRDF:

@@ -196,6 +196,8 @@ def hierarchical_isotropic(
     finest: float,
     normals: F64,
     views: F64,
+    above: float = ...,
+    below: float = ...,
 ) -> tuple[F32, float]: ...
 
 # directional_basis

@@ -123,6 +123,9 @@ def map_lines(path: str) -> list[str]:
         f"  reflection map of {rm.brdf}",
         f"  predicted error {rm.error:.2%} ({rm.criterion}), window {rm.window or 'none'}",
     ]
+    if rm.residual is not None:
+        H, W, _ = rm.residual.pixels.shape
+        lines.append(f"  residual {len(rm.residual.cores)} of the lobes have a core, under {W} x {H} texels")
     for index, part in enumerate(rm.parts, start=1):
         lines.append(
             f"  lobe {index}         about the {part.center}, F = {part.F}, P = {part.P}, "

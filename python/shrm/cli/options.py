@@ -92,6 +92,16 @@ def add_orders(command: argparse.ArgumentParser, default: float = 0.05) -> None:
     either.add_argument("--orders", type=orders, metavar="F,P", help="the orders themselves, such as 30,4")
 
 
+def add_residual(command: argparse.ArgumentParser) -> None:
+    """Add --residual."""
+    command.add_argument(
+        "--residual",
+        choices=("auto",),
+        help="auto: what the orders cannot hold of a sharp lobe is split off, and integrated or looked up"
+        " (default: no)",
+    )
+
+
 TANGENTS = {
     "axis": "around the vertical",
     "uv": "along u of the mesh's texture coordinates",

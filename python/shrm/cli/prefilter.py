@@ -18,6 +18,7 @@ from shrm.cli.options import (
     add_extrapolate,
     add_orders,
     add_output,
+    add_residual,
     material_text,
     orders,
     parse_brdf,
@@ -38,6 +39,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--brdf", required=True, metavar="B", help=MATERIAL)
     add_extrapolate(command)
     add_orders(command)
+    add_residual(command)
     command.add_argument("--size", type=whole, metavar="N", help="rows of the map (default: from the orders)")
     command.add_argument(
         "--layout", choices=("latlong", "cube"), default="latlong", help="layout of the map (default latlong)"
@@ -82,6 +84,8 @@ def run(options: argparse.Namespace) -> None:
 
     if options.max_orders is not None and options.orders is not None:
         raise argparse.ArgumentError(None, "argument --max-orders: not allowed with argument --orders")
+    if options.residual is not None and (options.criterion != "light" or options.window is not None):
+        raise argparse.ArgumentError(None, "argument --residual: is for --criterion light without a --window")
     brdf = parse_brdf(material_text(options, options.brdf))
     F_max, P_max = options.max_orders or (F_MAX, P_MAX)
     with progress("Reading the environment"):
@@ -104,11 +108,13 @@ def run(options: argparse.Namespace) -> None:
             P_max=P_max,
             window=options.window,
             clamp=options.clamp,
+            residual=options.residual,
         )
         seconds = time.perf_counter() - start
         rm.save(options.output)
+    kept = "" if rm.residual is None else " and a residual"
     print(
-        f"{options.output}: {brdf.name}, F = {rm.F}, P = {rm.P}, predicted error {rm.error:.2%},"
+        f"{options.output}: {brdf.name}, F = {rm.F}, P = {rm.P}{kept}, predicted error {rm.error:.2%},"
         f" {1e3 * seconds:.0f} ms"
     )
 
@@ -138,5 +144,12 @@ def _explicit(options: argparse.Namespace, env: Environment, brdf: BRDF) -> None
     print(f"{options.output}: {brdf.name}, {maps}, {1e3 * seconds:.0f} ms")
 
 
-SHRM_ONLY = {"orders": None, "max_orders": None, "window": None, "clamp": False, "criterion": "light"}
+SHRM_ONLY = {
+    "orders": None,
+    "max_orders": None,
+    "window": None,
+    "clamp": False,
+    "criterion": "light",
+    "residual": None,
+}
 """Arguments that go with frequency space alone, and what they are if they are not given."""

@@ -21,14 +21,17 @@ from shrm.cli.options import (
     add_extrapolate,
     add_orders,
     add_output,
+    add_residual,
     add_tangents,
     add_transfer,
     add_viewer,
     degrees,
     extent,
+    flag,
     material_text,
     number,
     of_transfer,
+    orders,
     parse_brdf,
     positive,
     read_mesh,
@@ -78,6 +81,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     add_orders(command)
     command.set_defaults(tolerance=None)  # by the method
+    add_residual(command)
+    add(
+        "--max-orders",
+        type=orders,
+        metavar="F,P",
+        help="the largest orders that the tolerance may take, such as 16,4",
+    )
     add(
         "--method",
         choices=("shrm", *INTEGRATED, *TECHNIQUES),
@@ -152,6 +162,13 @@ def run(options: argparse.Namespace) -> None:
         )
     if options.method != "shrm" and options.orders is not None:
         raise argparse.ArgumentError(None, f"--orders are for --method shrm, not {options.method}")
+    if options.max_orders is not None and options.orders is not None:
+        raise argparse.ArgumentError(None, "argument --max-orders: not allowed with argument --orders")
+    for name in ("residual", "max_orders"):
+        if options.method != "shrm" and getattr(options, name) is not None:
+            raise argparse.ArgumentError(None, f"{flag(name)} is for --method shrm, not {options.method}")
+    if options.gpu and options.residual is not None:
+        raise argparse.ArgumentError(None, "--gpu draws reflection maps alone: it cannot go with --residual")
     if options.method == "angular" and options.tolerance is not None:
         raise argparse.ArgumentError(None, "--method angular leaves nothing out: it takes no --tolerance")
     if options.turntable == "light" and (
@@ -208,6 +225,7 @@ class MaterialStage(Stage):
         """Prefilter by the method that the options name, so that the light can be turned if it is to be."""
         from shrm.brdf import BRDF
         from shrm.hierarchical import prefilter_hierarchical
+        from shrm.orders import F_MAX, P_MAX
         from shrm.prefiltered import prefilter as prefilter_explicit
         from shrm.prefiltering import prefilter
         from shrm.reference import prefilter_angular
@@ -231,12 +249,16 @@ class MaterialStage(Stage):
                     layout="cube" if options.gpu else "latlong",
                     size=GPU_MAP_SIZE if options.gpu else None,
                 )
+            F_max, P_max = options.max_orders or (F_MAX, P_MAX)
             make = Prefilter if options.turntable == "light" else prefilter
             return make(
                 self.env,
                 material,
                 tolerance=options.tolerance or SHRM_ERROR,
                 orders=options.orders,
+                F_max=F_max,
+                P_max=P_max,
+                residual=options.residual,
                 layout="cube" if options.gpu else "latlong",
                 size=GPU_MAP_SIZE if options.gpu else None,
             )

@@ -1,7 +1,7 @@
 """Make the tables and figures of the paper again, its own figures beside ours.
 
-Writes NAME.csv, NAME.md and NAME.png for each, and index.md, which joins them. Needs no file;
-measured materials need a folder of published fits.
+Writes NAME.csv, NAME.md and NAME.png for each, and index.md, which joins them. Needs no file; figure-1
+and the measured materials of figure-8 need a folder of them.
 """
 
 from __future__ import annotations
@@ -31,13 +31,23 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("names", nargs="*", type=name, metavar="NAME", help=f"{known} (default: all)")
     add_environment(command, flag=True, layout_flags=("--env-layout",))
     command.add_argument(
-        "--fits", type=Path, metavar="DIR", help="folder with published fits to measured materials"
+        "--data",
+        type=Path,
+        metavar="DIR",
+        help="folder with files of measured materials in brdf/ for figure-8, and for figure-1, told by their "
+        "names: krylon, golden_yellow there, grace, stpeters, uffizi, rnl in env/, armadillo in mesh/",
+    )
+    command.add_argument(
+        "--fits",
+        type=Path,
+        metavar="DIR",
+        help="folder with published fits to measured materials, in place of those that come with shrm",
     )
     command.add_argument(
         "--mesh",
         type=Path,
         metavar="FILE",
-        help="mesh for kautz-figure-6, such as a teapot, and for the results of lk-",
+        help="mesh for figure-1, for kautz-figure-6, such as a teapot, and for the results of lk-",
     )
     command.add_argument(
         "--quick", action="store_true", help="fewer rows and samples: to see that everything runs"
@@ -57,13 +67,14 @@ def run(options: argparse.Namespace) -> None:
     from shrm.reproduce import Settings, make, names
     from shrm.reproduce.index import write_index
 
-    if options.fits is not None and not options.fits.is_dir():
-        raise NotADirectoryError(errno.ENOTDIR, "is not a folder", str(options.fits))
+    for folder in (options.data, options.fits):
+        if folder is not None and not folder.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, "is not a folder", str(folder))
     with progress("Reading the environment"):
         env = read_environment(options)
     if not env.pixels.any():
         raise ValueError(f"{options.env}: every texel is black, and nothing reflects no light")
-    settings = Settings(env, Path(options.env).stem, options.fits, options.mesh, options.quick)
+    settings = Settings(env, Path(options.env).stem, options.fits, options.mesh, options.quick, options.data)
     results = []
     for name in names():
         if options.names and name not in options.names:

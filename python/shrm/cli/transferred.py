@@ -28,7 +28,10 @@ def require_none_of_maps(options: argparse.Namespace) -> None:
     argparse.ArgumentError
         If one is given.
     """
-    for name, default in {**OF_MAPS, "tolerance": None, "orders": None}.items():
+    for name, default in {
+        **OF_MAPS,
+        **dict.fromkeys(("tolerance", "orders", "residual", "max_orders")),
+    }.items():
         if getattr(options, name) != default:
             said = f"--{options.row[0][0]}" if name == "row" else flag(name)
             raise argparse.ArgumentError(

@@ -29,7 +29,7 @@ from shrm.prefiltered.maps import (
     Phong,
     PrefilteredMap,
 )
-from shrm.reflection_map import Interpolation, Part, ReflectionMap, zonal_harmonics
+from shrm.reflection_map import Interpolation, Part, ReflectionMap, require_no_residual, zonal_harmonics
 from shrm.rings import Float32Array, Layout
 from shrm.validation import one_of, whole_number
 
@@ -165,10 +165,11 @@ def of_reflection_map(
     Raises
     ------
     TypeError, ValueError
-        If an argument is not as described, or the SHRM was fitted to pictures.
+        If an argument is not as described, or the SHRM was fitted to pictures or has a residual.
     """
     if not isinstance(rm, ReflectionMap):
         raise TypeError(f"rm must be a ReflectionMap, got {type(rm).__name__}")
+    require_no_residual(rm, "an earlier technique")
     require_material(brdf)
     one_of("technique", technique, get_args(Technique))
     _require_counts(lobes, slices)

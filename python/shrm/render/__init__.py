@@ -4,9 +4,9 @@ camera -> line_field, tangents, placement -> shapes, mesh -> lookup -> tonemap -
 transferred, row, turntable, output
 """
 
+from shrm.lookup import environment_lookup, texture_lookup
 from shrm.render.camera import Camera
 from shrm.render.line_field import tangents_around
-from shrm.render.lookup import environment_lookup, texture_lookup
 from shrm.render.mesh import Mesh
 from shrm.render.output import write_picture
 from shrm.render.picture import Object, Picture, Reflection, render

@@ -10,9 +10,9 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from shrm.lookup import texture_lookup
 from shrm.render.camera import FloatArray, Vector
 from shrm.render.line_field import orthogonalised, unit
-from shrm.render.lookup import texture_lookup
 from shrm.render.placement import Placement, about_vertical
 from shrm.render.shapes import Hits
 from shrm.render.tangents import Tangents, principal_tangents, uv_tangents
@@ -174,7 +174,7 @@ class Mesh:
         return center, float(np.linalg.norm(self.vertices - center, axis=1).max())
 
     def texture_at_vertices(self, texture: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-        """Return a texture (H, W, C) at the vertices, (n, C): see `shrm.render.lookup.texture_lookup`.
+        """Return a texture (H, W, C) at the vertices, (n, C): see `shrm.lookup.texture_lookup`.
 
         Raises
         ------

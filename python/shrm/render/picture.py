@@ -12,9 +12,9 @@ from typing import Literal, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from shrm.lookup import environment_lookup, texture_lookup
 from shrm.render.camera import Camera, FloatArray, Vector
 from shrm.render.line_field import VERTICAL, orthogonalised, tangents_around, unit
-from shrm.render.lookup import environment_lookup, texture_lookup
 from shrm.render.mesh import Mesh
 from shrm.render.shapes import Hits, Shape
 from shrm.render.vertex_radiance import VertexRadiance

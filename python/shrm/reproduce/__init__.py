@@ -23,6 +23,7 @@ MODULES = (
     "table_3",
     "table_4",
     "table_5",
+    "figure_1",
     "figure_5",
     "figure_6",
     "figure_7",

@@ -1,25 +1,27 @@
 """[RH02] figure 8: how much of a BRDF's energy F = 30 and P = 0..5 hold, for many materials.
 
-The paper has the 61 materials of CUReT. Here are published fits to the MERL database and to single measured
-materials (`fits`), if a folder of them is given, and the built-in models: about the reflection, diffuse and
-glossy parts together [RH02 footnote 6], and about the lobe centre. What no P holds at F = 30 is too sharp for
-that F.
+The paper has the 61 materials of CUReT. Here are the published fits to the MERL database and to single
+measured materials (`fits`), the files of measurements of a folder, if one is given, and the built-in models:
+about the reflection, diffuse and glossy parts together [RH02 footnote 6], and about the lobe centre. What no
+P holds at F = 30 is too sharp for that F.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shrm.brdf import BRDF, GGX, Beckmann, Lambert, Microfacet
-from shrm.brdf.lobe import Center, FloatArray
-from shrm.brdf_analysis import analyse
+from shrm.brdf import BRDF, GGX, Beckmann, Lambert, Microfacet, load
+from shrm.brdf.lobe import Center
+from shrm.brdf.parse import SUFFIXES
 from shrm.reproduce import fits
+from shrm.reproduce.brdf_accuracy import CENTERS, GRAZING, ORDERS, WIDE, Accuracy, F, measure
+from shrm.reproduce.merl_classes import CLASSES, class_of
 from shrm.reproduce.result import Cell, Result, Settings
 
 if TYPE_CHECKING:
@@ -27,57 +29,52 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAME = "figure-8"
-F = 30
-ORDERS = range(6)
-CENTERS: Mapping[Center, str] = {"reflection": "R", "lobe": "the lobe"}
 BUILT_IN = "built-in models"
+FILES = "files of measurements"
 QUICK = 60
 """One material of so many is taken where it is to be quick."""
 NAMED = 30
 """Materials of larger sources are drawn without their names."""
 
-
-@dataclass(frozen=True)
-class Accuracy:
-    """One material.
-
-    Attributes
-    ----------
-    name : str
-    by_order : {centre: (6,) float64}
-        Fraction of the energy that F and P = 0..5 hold.
-    every_order : float
-        What F holds with every P.
-    """
-
-    name: str
-    by_order: Mapping[Center, FloatArray]
-    every_order: float
+Found = Mapping[str, Mapping[str, Sequence[Accuracy]]]
+"""Materials by source and class."""
 
 
 def make(settings: Settings) -> Result:
     """Analyse every material about both centres."""
-    sources = {BUILT_IN: models(), **(fits.read(settings.fits) if settings.fits is not None else {})}
+    files = measured(settings.data)
+    sources = {
+        **({FILES: files} if files else {}),
+        **fits.read(settings.fits),
+        BUILT_IN: models(),
+    }
     step = QUICK if settings.quick else 1
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         found = {
-            source: list(pool.map(measure, list(brdfs)[::step], list(brdfs.values())[::step]))
+            source: grouped(pool.map(measure, list(brdfs)[::step], list(brdfs.values())[::step]))
             for source, brdfs in sources.items()
         }
-    for materials in found.values():
-        materials.sort(key=lambda material: material.by_order["reflection"][-1])
     return Result(
         NAME,
         f"Fraction of the BRDF's energy that F = {F} and P hold",
         [
             "source",
+            "class",
             "material",
             *(f"P = {P}, about {text}" for text in CENTERS.values() for P in ORDERS),
             "every P",
+            "half-energy angle, degrees",
+            *(f"views to {GRAZING:g} degrees, about {text}" for text in CENTERS.values()),
         ],
-        [_row(source, material) for source, materials in found.items() for material in materials],
-        [*_summary(found), *_NOTES, *([] if settings.fits is not None else [_WITHOUT_FITS])],
+        [
+            _row(source, name, material)
+            for source, classes in found.items()
+            for name, materials in classes.items()
+            for material in materials
+        ],
+        [*_NOTES, *exceptions(found), *([] if files else [_WITHOUT_FILES])],
         _draw(found),
+        summary=(_COUNTED, [*_counts(found), _PAPER]),
     )
 
 
@@ -88,11 +85,19 @@ _NOTES = (
     "The energy is that of the squared BRDF with its cosine, colours pooled, in which peaks weigh heavily. "
     "Fits hold much of it at grazing views, where nothing was measured: how finely views are sampled there "
     "moves accuracies by about .01.",
+    "The half-energy angle is that about the lobe centre within which half of this energy lies, all views "
+    "pooled; lobes of Lambert's model have 37 degrees.",
 )
-_WITHOUT_FITS = (
-    "Without a folder of fits only built-in models are shown. Fits are read from "
-    f"{', '.join(fits.SOURCES)} there, JSON objects of materials; see shrm.reproduce.fits."
+_WITHOUT_FILES = "Files of measurements are read from the folder brdf of --data."
+_COUNTED = (
+    "materials",
+    "class",
+    "number",
+    *(f"over 90% about {text}" for text in CENTERS.values()),
+    f"half-energy angle over {WIDE:g} degrees",
+    *(f"of these over 90% about {text}" for text in CENTERS.values()),
 )
+_PAPER: Sequence[Cell] = ("CUReT [RH02]", "all", 61, 56, None, None, None, None)
 
 
 def models() -> dict[str, BRDF]:
@@ -106,60 +111,98 @@ def models() -> dict[str, BRDF]:
     }
 
 
-def measure(name: str, brdf: BRDF) -> Accuracy:
-    """Analyse one material about both centres."""
-    by_order, every_order = {}, 0.0
-    for center in CENTERS:
-        (lobe,) = brdf.recentred(center, merge=True).lobes
-        analysis = analyse(lobe, F, ORDERS[-1])
-        whole = analysis.energy.sum()
-        by_order[center] = np.array([analysis.captured(P).sum() / whole for P in ORDERS])
-        every_order = float(analysis.degree_energy().sum() / whole)
-    return Accuracy(name, by_order, every_order)
+def measured(folder: Path | None) -> dict[str, BRDF]:
+    """Return the materials of all files of measurements in a folder's `brdf`, by name.
+
+    Raises
+    ------
+    OSError, ValueError
+        If there is no such folder, or a file in it that cannot be read.
+    """
+    if folder is None:
+        return {}
+    paths = sorted(path for path in (folder / "brdf").iterdir() if path.suffix.lower() in SUFFIXES)
+    return {brdf.name: brdf for brdf in map(load, paths)}
 
 
-def _row(source: str, material: Accuracy) -> list[Cell]:
+def grouped(materials: Iterable[Accuracy]) -> dict[str, list[Accuracy]]:
+    """Materials by class, as `CLASSES` has them, in each from the least accurate to the most."""
+    classes: dict[str, list[Accuracy]] = {name: [] for name in (*CLASSES, "")}
+    for material in sorted(materials, key=lambda material: material.by_order["reflection"][-1]):
+        classes[class_of(material.name)].append(material)
+    return {name: many for name, many in classes.items() if many}
+
+
+def _row(source: str, name: str, material: Accuracy) -> list[Cell]:
     numbers = [float(x) for center in CENTERS for x in material.by_order[center]]
-    return [source, material.name, *numbers, material.every_order]
+    below = [material.below_grazing[center] for center in CENTERS]
+    return [source, name, material.name, *numbers, material.every_order, material.half, *below]
 
 
-def _summary(found: Mapping[str, Sequence[Accuracy]]) -> list[str]:
-    """The paper's two figures, for each source."""
-    lines = []
-    for source, materials in found.items():
-        held = [material for material in materials if material.every_order > 0.95]
-        for text, group in (("", materials), (" whose degrees to 30 hold over 95%", held)):
-            lines.append(
-                f"{source}, {len(group)} materials{text}: over 90% at P = 5 in {_above(group, 5, 0.9)}; "
-                f"eps < .05 at P = 3 in {_above(group, 3, 0.95)}."
-            )
+def _counts(found: Found) -> list[list[Cell]]:
+    """The paper's figure, for each source and class."""
+    rows: list[list[Cell]] = []
+    for source, classes in found.items():
+        whole = [material for many in classes.values() for material in many]
+        parts = classes if len(classes) > 1 else {}
+        for name, materials in {**parts, "all": whole}.items():
+            wide = [material for material in materials if material.wide]
+            reached = [_reaching(materials, center) for center in CENTERS]
+            of_wide = [_reaching(wide, center) for center in CENTERS]
+            rows.append([source, name, len(materials), *reached, len(wide), *of_wide])
+    return rows
+
+
+def _reaching(materials: Sequence[Accuracy], center: Center) -> int:
+    return sum(material.reaches(center) for material in materials)
+
+
+def exceptions(found: Found) -> list[str]:
+    """Wide lobes that miss 90% about a centre, and where their energy is."""
+    missing = [
+        (source, material)
+        for source, classes in found.items()
+        for many in classes.values()
+        for material in many
+        if material.wide and not all(material.reaches(center) for center in CENTERS)
+    ]
+    if not missing:
+        return []
+    least = min(max(material.below_grazing.values()) for _, material in missing)
+    lines = [
+        f"Of the materials with a half-energy angle over {WIDE:g} degrees {len(missing)} miss 90% about R "
+        "or about the lobe. What they miss is at grazing views: to "
+        f"{GRAZING:g} degrees the same F and P hold {least:.0%} or more about one of both. Beyond, a narrow "
+        "and bright lobe takes the place of the wide one, as near-mirrors have it:"
+    ]
+    for source, this in missing:
+        about = ", ".join(f"{this.by_order[c][-1]:.3f} about {text}" for c, text in CENTERS.items())
+        below = ", ".join(f"{this.below_grazing[c]:.3f}" for c in CENTERS)
+        lines.append(
+            f"{this.name} ({source}): {about}, to {GRAZING:g} degrees {below}; half-energy angle "
+            f"{this.half:.0f} degrees, of views beyond {GRAZING:g} alone {this.half_grazing:.1f}; degrees "
+            f"above {F} hold {1 - this.every_order:.3f}."
+        )
     return lines
 
 
-def _above(materials: Sequence[Accuracy], P: int, accuracy: float) -> str:
-    """How many materials are above an accuracy about each centre."""
-    counts = {
-        text: sum(bool(material.by_order[center][P] > accuracy) for material in materials)
-        for center, text in CENTERS.items()
-    }
-    return ", ".join(f"{count} about {text}" for text, count in counts.items())
-
-
-def _draw(found: Mapping[str, Sequence[Accuracy]]) -> Figure:
+def _draw(found: Found) -> Figure:
     from matplotlib.figure import Figure
 
+    counts = {source: sum(map(len, classes.values())) for source, classes in found.items()}
     heights = [
-        (0.15 if len(materials) <= NAMED else 0.05) * (len(materials) + 1) for materials in found.values()
+        (0.16 if count <= NAMED else 0.055) * (count + 2 * len(found[source]))
+        for source, count in counts.items()
     ]
     figure = Figure(figsize=(9.0, sum(heights) + 0.3 * len(heights) + 1.2), layout="constrained")
     grid = figure.subplots(len(found), 2, sharex=True, squeeze=False, height_ratios=heights)
-    for row, (source, materials) in zip(grid, found.items(), strict=True):
+    for row, (source, classes) in zip(grid, found.items(), strict=True):
         for axes, center in zip(row, CENTERS, strict=True):
-            _panel(axes, materials, center)
-        names = [material.name for material in materials] if len(materials) <= NAMED else []
-        row[0].set_yticks(range(len(names)), names, fontsize=7)
+            _panel(axes, classes, center)
+        _names(row[0], classes, single=counts[source] <= NAMED)
         row[1].set_yticks([])
-        row[0].set_title(f"{source}: {len(materials)}", fontsize=9, loc="left")
+        counted = "" if counts[source] <= NAMED else ", over 90% about R at P = 5"
+        row[0].set_title(f"{source}: {counts[source]}{counted}", fontsize=9, loc="left")
     for axes, text in zip(grid[-1], CENTERS.values(), strict=True):
         axes.set_xlabel(f"accuracy about {text}, F = {F}")
     legend = grid[0, 0].get_legend_handles_labels()
@@ -167,9 +210,32 @@ def _draw(found: Mapping[str, Sequence[Accuracy]]) -> Figure:
     return figure
 
 
-def _panel(axes: Axes, materials: Sequence[Accuracy], center: Center) -> None:
+GAP = 2
+"""Rows between classes."""
+
+
+def _rows(classes: Mapping[str, Sequence[Accuracy]]) -> list[range]:
+    """Where the materials of each class stand, from the top."""
+    starts = np.cumsum([0, *(len(many) + GAP for many in classes.values())]).tolist()
+    return [range(start, start + len(many)) for start, many in zip(starts, classes.values(), strict=False)]
+
+
+def _names(axes: Axes, classes: Mapping[str, Sequence[Accuracy]], single: bool) -> None:
+    """Name each material, or each class with how many of it reach 90%."""
+    rows = _rows(classes)
+    if single:
+        at = [y for span in rows for y in span]
+        axes.set_yticks(at, [one.name for many in classes.values() for one in many], fontsize=7)
+        return
+    labels = [f"{name}\n{_reaching(many, 'reflection')} of {len(many)}" for name, many in classes.items()]
+    axes.set_yticks([(span[0] + span[-1]) / 2 for span in rows], labels, fontsize=7)
+
+
+def _panel(axes: Axes, classes: Mapping[str, Sequence[Accuracy]], center: Center) -> None:
     """Each material in its row, its markers from light to dark with P [RH02 fig. 8]."""
-    y = np.arange(len(materials))
+    rows = _rows(classes)
+    y = [at for span in rows for at in span]
+    materials = [one for many in classes.values() for one in many]
     for P, marker in zip(ORDERS, "DDDDDo", strict=True):
         shade = str(0.82 * (1 - P / ORDERS[-1]))
         x = [material.by_order[center][P] for material in materials]
@@ -177,7 +243,9 @@ def _panel(axes: Axes, materials: Sequence[Accuracy], center: Center) -> None:
     limit = [material.every_order for material in materials]
     axes.plot(limit, y, "|", color="#d95f02", markersize=4.5, label="every P")
     axes.axvline(0.9, color="0.6", linewidth=0.6, zorder=0)
-    axes.set(xlim=(0, 1.01), ylim=(-1, len(materials)), xticks=np.linspace(0, 1, 11))
+    for span in rows[1:]:
+        axes.axhline(span[0] - (GAP + 1) / 2, color="0.85", linewidth=0.6, zorder=0)
+    axes.set(xlim=(0, 1.01), ylim=(rows[-1][-1] + 1, -1), xticks=np.linspace(0, 1, 11))
     axes.tick_params(axis="x", labelsize=8)
     axes.tick_params(axis="y", length=0)
     axes.spines[["top", "right"]].set_visible(False)

@@ -2,7 +2,8 @@
 
 Their single lobe is an arbitrary function u(theta_i, theta_o) about the reflection [KM00]: what the terms
 q = 0 of the local form are [RH02 footnote 7]. The paper's fabric is the velvet of CUReT, which is not to be
-had: here it is a published fit to a fabric of the MERL database, or a model of velvet.
+had: here it is a published fit to a fabric of the MERL database, or, where a folder of fits lacks it, a model
+of velvet.
 
 References
 ----------
@@ -48,7 +49,7 @@ AZIMUTH, ELEVATION = 75.0, 12.0
 """Of the viewer: degrees from the brightest light, and above the horizon."""
 ROWS = 64
 """Of the light that both ways get: fabrics are broad lobes."""
-FIT = (fits.SOURCES["merl_sgd_bagher2012.json"][0], "red-fabric")
+FIT = ("MERL, fits of Bagher et al. 2012", "red-fabric")
 
 
 Series = Mapping[tuple[Center, bool], Mapping[int, Judged]]
@@ -90,9 +91,7 @@ def make(settings: Settings) -> Result:
 
 
 def _notes(brdf: BRDF, series: Series) -> list[str]:
-    what = (
-        "a model of velvet [AP07]" if brdf.name == "velvet" else f"the fit of {FIT[0]} to MERL's {brdf.name}"
-    )
+    what = "a model of velvet [AP07]" if brdf.name == "velvet" else f"{FIT[1]} ({FIT[0]})"
     lost = {center: f"{list(series[center, False].values())[-1].frames_error:.0%}" for center in CENTERS}
     return [
         f"In place of CUReT's velvet: {what}, diffuse and glossy parts together [RH02 footnote 6].",
@@ -107,13 +106,10 @@ def _notes(brdf: BRDF, series: Series) -> list[str]:
 
 
 def fabric(settings: Settings) -> BRDF:
-    """Return the fit `FIT` if there is a folder of fits that has it, else a model of velvet."""
+    """Return the fit `FIT` if there is one, else a model of velvet."""
     source, name = FIT
-    if settings.fits is not None:
-        found = fits.read(settings.fits).get(source, {})
-        if name in found:
-            return found[name]
-    return velvet(0.4, (0.3, 0.02, 0.05), (0.08, 0.003, 0.008))
+    found = fits.read(settings.fits).get(source, {}).get(name)
+    return velvet(0.4, (0.3, 0.02, 0.05), (0.08, 0.003, 0.008)) if found is None else found
 
 
 def _draw(name: str, truth: Truth, series: Series, texture: Judged) -> Figure:

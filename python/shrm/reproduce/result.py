@@ -30,7 +30,11 @@ class Settings:
     env_name : str
         How the light is called in titles.
     fits : Path or None
-        A folder with published fits to measured materials (`merl_abc_low2012.json`, ...).
+        A folder with published fits to measured materials (`merl_abc_low2012.json`, ...), in place of those
+        that come with the package.
+    data : Path or None
+        A folder with the folders `env`, `brdf` and `mesh`: photographed light, files of measured materials,
+        meshes.
     mesh : Path or None
         A mesh to draw, y upwards.
     quick : bool
@@ -42,6 +46,7 @@ class Settings:
     fits: Path | None = None
     mesh: Path | None = None
     quick: bool = False
+    data: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,8 @@ class Result:
         What was done otherwise than in the paper, and why; what the numbers mean. One sentence or two each.
     figure : matplotlib Figure or None
         The picture.
+    summary : (columns, rows) or None
+        A shorter table that stands before the whole one where it is read; not in the CSV.
     """
 
     name: str
@@ -70,12 +77,14 @@ class Result:
     rows: Sequence[Sequence[Cell]]
     notes: Sequence[str] = ()
     figure: Figure | None = field(default=None, compare=False)
+    summary: tuple[Sequence[str], Sequence[Sequence[Cell]]] | None = None
 
     def markdown(self, level: int = 1) -> str:
         """Return the table with its title, picture and notes; the title is a heading of that level."""
         lines = [f"{'#' * level} {_heading(self.name)}: {self.title}", ""]
-        lines += [_row(self.columns), _row("---" for _ in self.columns)]
-        lines += [_row(_shown(cell) for cell in row) for row in self.rows]
+        if self.summary is not None:
+            lines += [*_table(*self.summary), ""]
+        lines += _table(self.columns, self.rows)
         lines += ["", f"![{self.title}]({self.name}.png)"] if self.figure is not None else []
         lines += ["", *(f"- {note}" for note in self.notes)] if self.notes else []
         return "\n".join(lines) + "\n"
@@ -115,6 +124,11 @@ def _heading(name: str) -> str:
     """Return what a result is called in a heading: Table 4, Kautz figure 3, LK figure 2."""
     first, *rest = name.split("-")
     return " ".join([first.upper() if len(first) == 2 else first.capitalize(), *rest])
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[Cell]]) -> list[str]:
+    lines = [_row(columns), _row("---" for _ in columns)]
+    return lines + [_row(_shown(cell) for cell in row) for row in rows]
 
 
 def _row(cells: Iterable[str]) -> str:

@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 
 from shrm.prefiltered import Prefiltered, PrefilteredMap
-from shrm.reflection_map import ReflectionMap
+from shrm.reflection_map import ReflectionMap, require_no_residual
 from shrm.render.camera import FloatArray
 from shrm.render.mesh import Mesh
 from shrm.render.picture import FloatPixels, Lighting, Object, Picture
@@ -231,6 +231,8 @@ class Renderer:
                 "shrm.viewer's HardwarePrefilter and ParaboloidMaps to be drawn by the GPU, got "
                 f"{type(material).__name__}"
             )
+        if isinstance(material, ReflectionMap):
+            require_no_residual(material, "the GPU")
         lobes = self._lobes(index, material)
         shape = get(("shape", index), thing.shape, lambda shape: Geometry(gl, shape))
         self._texture_of(index, thing).use(2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from shrm.render.camera import FloatArray
+FloatArray = npt.NDArray[np.float64]
 
 
 def environment_lookup(pixels: npt.NDArray[np.float32], directions: FloatArray) -> npt.NDArray[np.float32]:
