@@ -1,7 +1,7 @@
 """The RGL/EPFL format written, read and evaluated from its description; imports nothing of shrm.
 
-Everything that is linear or bilinear between nodes is a sum of hat functions here, and integrals of it sums of
-their antiderivatives, in float64: no cells, no running sums.
+What is linear or bilinear between nodes is a sum of hat functions here, and integrals of it sums of their
+antiderivatives, in float64: no cells, no running sums.
 """
 
 import struct
@@ -104,7 +104,7 @@ def samples(fields: dict[str, np.ndarray], i: np.ndarray, o: np.ndarray) -> np.n
 
 
 def factor(fields: dict[str, np.ndarray], i: np.ndarray, o: np.ndarray) -> np.ndarray:
-    """Ndf / (4 sigma), (n,), or 1 where the file says so."""
+    """The factor ndf / (4 sigma), (n,), or 1 where the file says so."""
     if not fields["jacobian"][0]:
         return np.ones(len(i))
     theta_i, u, v = angles(i, o)

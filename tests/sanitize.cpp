@@ -8,7 +8,9 @@
 
 #include <glm/glm.hpp>
 
+#include "shrm/adaptive_parameterization.hpp"
 #include "shrm/analysis.hpp"
+#include "shrm/angle_table.hpp"
 #include "shrm/angular.hpp"
 #include "shrm/brdf_analysis.hpp"
 #include "shrm/core.hpp"
@@ -149,6 +151,40 @@ void material_analysis() {
             std::vector<double> values(size(L + 1) * theta.size());
             shrm::legendre(L, std::min(Q, L), theta, values);
         }
+}
+
+// Tables over pairs of directions with odd strides and counts, among them the poles and the horizon.
+void measured_materials() {
+    for (std::size_t n : {0, 1, 7, 8, 9, 700}) {
+        std::vector<glm::dvec3> wi = random_directions(n + 2), wo = random_directions(n + 3);
+        wo[n / 2] = {1, 0, 0};
+        wi[n / 2] = -wo[n / 2];
+        const shrm::DirectionPairs pairs{{&wi.back().x, -3, 1}, {&wo.front().x, 3, 1}, n};
+        std::vector<double> values(3 * n);
+        std::vector<std::int64_t> nodes(n);
+        for (auto angles : {shrm::Angles::difference, shrm::Angles::half})
+            for (bool centers : {false, true}) {
+                const shrm::AngleAxes axes{angles, {2, 3, 4}, centers, centers};
+                const auto grey = random_values<double>(2 * 3 * 4),
+                           colors = random_values<double>(2 * 3 * 4 * 3);
+                shrm::interpolate<double>(axes, 1, grey, pairs, std::span<double>(values).first(n));
+                shrm::interpolate<double>(axes, 3, colors, pairs, values);
+                shrm::nearest_nodes(axes, pairs, nodes);
+            }
+        for (int slices : {1, 2, 5}) {
+            const auto theta_i = slices == 5 ? std::vector{0., 0.3, 0.5, 1.2, 1.5} : std::vector{0.2, 1.};
+            const auto vndf = random_values<float>(size(slices) * 3 * 4);
+            const auto samples = random_values<float>(size(slices) * 2 * 5 * 3),
+                       ndf = random_values<float>(6);
+            for (bool has_ndf : {false, true}) {
+                const shrm::AdaptiveParameterization table(
+                    std::span<const double>(theta_i).first(size(slices)), vndf, {3, 4}, samples, {2, 5},
+                    std::span<const float>(ndf).first(has_ndf ? 6 : 0), {2, 3}, ndf);
+                table.evaluate(pairs, values);
+                table.samples(pairs, values);
+            }
+        }
+    }
 }
 
 void reflection_maps() {
@@ -359,6 +395,7 @@ int main() {
     harmonics();
     rotation();
     material_analysis();
+    measured_materials();
     reflection_maps();
     radiance();
     integrators();

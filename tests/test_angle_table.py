@@ -1,4 +1,4 @@
-"""Regular tables over angles: nodes, warps, strides. (Tabulated and MERL's files test the angles.)"""
+"""Regular tables over angles: nodes, warps, strides; the angles are tested with the materials."""
 
 import numpy as np
 import pytest
@@ -73,7 +73,7 @@ def test_the_core_guards_memory() -> None:
     wi, values = hemisphere(4, 7), np.ones((2, 2, 2, 3))
     grid = {"axes": "angles", "square_root": False, "centers": False}
     for wrong in ({"table": np.ones((1, 2, 2, 3))}, {"table": np.ones((2, 2, 2, 2))}, {"axes": "none"}):
-        with pytest.raises(ValueError, match="table|axes"):
+        with pytest.raises(ValueError, match=r"table|axes"):
             _core.interpolate_angles(**({"table": values, **grid, "wi": wi, "wo": wi} | wrong))
     with pytest.raises(ValueError, match="wo has shape"):
         _core.interpolate_angles(table=values, **grid, wi=wi, wo=wi[:3])

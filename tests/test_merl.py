@@ -93,16 +93,18 @@ def test_between_the_centres_values_are_linear_in_their_coordinates(tmp_path: Pa
 
 def test_a_material_is_reciprocal_and_its_own_mirror_image(tmp_path: Path) -> None:
     values = np.random.default_rng(5).uniform(0.1, 1, (7, 6, 9, 3))
+    values[3:, 2] = -1  # filled
     material = merl.read(written(tmp_path, values))
     wi, wo = hemisphere(2000, 6), hemisphere(2000, 7)
     f, mirror = material.function(wi, wo) / wi[:, 2:], np.array([1, -1, 1])
     np.testing.assert_allclose(material.function(wo, wi) / wo[:, 2:], f, rtol=1e-9)
     np.testing.assert_allclose(material.function(wi * mirror, wo * mirror) / wi[:, 2:], f, rtol=1e-9)
-    assert len(material.notes) == 1
-    assert "from its mirror image: the mean of both is taken" in material.notes[0]
+    assert len(material.notes) == 2
+    assert "from its mirror image: the mean of both is taken" in material.notes[1]
     at, to, bins = at_centers((7, 6, 9))
     expected = 0.5 * (values + values[:, :, ::-1]).reshape(-1, 3)[bins] * at[:, 2:]
-    np.testing.assert_allclose(material.function(at, to), expected, rtol=3e-7)
+    has_data = expected[:, 0] > 0
+    np.testing.assert_allclose(material.function(at, to)[has_data], expected[has_data], rtol=3e-7)
 
 
 # Missing data -------------------------------------------------------------------------------------
@@ -119,13 +121,13 @@ def test_missing_entries_are_filled_from_the_nearest_in_the_documented_order(tmp
     for axis in (2, 1, 0):
         before = has_data.copy()
         for entry in itertools.product(*map(range, shape)):
-            line = [entry[:axis] + (k,) + entry[axis + 1 :] for k in range(shape[axis])]
+            line = [(*entry[:axis], k, *entry[axis + 1 :]) for k in range(shape[axis])]
             sources = [at for at in line if before[at]]
-            if sources and not before[entry]:
+            if sources and not before[entry]:  # of two as near the first
                 expected[entry] = expected[min(sources, key=lambda at: abs(at[axis] - entry[axis]))]
                 has_data[entry] = True
+        expected[:, :, 3:] = expected[:, :, 2::-1]  # the rest as the mirror image
     assert has_data.all()
-    # Of two as near the first; the table's mirror image has the last, and the mean of both is not data.
     values[missing, rng.integers(0, 3, missing.sum())] = -1e-3  # one channel is enough
     path = written(tmp_path, values)
     nearest, zero = merl.read(path), merl.read(path, "zero")
@@ -147,6 +149,12 @@ def test_the_mirror_image_has_what_an_entry_lacks(tmp_path: Path) -> None:
     assert material.covers(wi, wo).all()
     expected = random(10).reshape(-1, 3)[bins] * wi[:, 2:]
     np.testing.assert_allclose(material.function(wi, wo), expected, rtol=2e-7)
+
+
+def test_half_a_table_is_enough(tmp_path: Path) -> None:
+    values = random(16, (2, 3, 4))
+    values[:, :, 2:] = -1
+    assert merl.read(written(tmp_path, values)).notes == ("12 of 24 entries have no data",)
 
 
 def test_zero_is_black_where_the_nearest_entry_has_no_data(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from data import FOLDER, require
-from shrm.brdf import Lambert
+from shrm.brdf import GGX, Lambert
 from shrm.environment import Environment
 from shrm.prefiltering import prefilter
 from shrm.reference import prefilter_angular
@@ -104,12 +104,25 @@ def test_what_is_seen_faces_the_camera_and_is_on_the_object() -> None:
 def test_errors_are_relative_and_of_the_map_alone() -> None:
     light = SKY.resized(16, 32)
     brdf = Lambert(0.5)
-    exact, frames = prefilter_angular(light, brdf), Frames.drawn(200)
+    exact, frames, weights = prefilter_angular(light, brdf), Frames.drawn(200), np.ones(200)
     rm = prefilter(light, brdf, orders=(2, 0))
-    assert figure_1.relative_error(exact, exact, frames) == 0
-    once = figure_1.relative_error(rm, exact, frames)
-    twice = figure_1.relative_error(
-        prefilter(light, 2 * brdf, orders=(2, 0)), prefilter_angular(light, 2 * brdf), frames
-    )
+    assert figure_1.relative_error(exact, exact, frames, weights) == 0
+    once = figure_1.relative_error(rm, exact, frames, weights)
     assert 0 < once < 0.1  # [RH01]: nine terms of diffuse reflection
-    assert twice == pytest.approx(once, rel=1e-4)
+    brighter = prefilter(light, 2 * brdf, orders=(2, 0)), prefilter_angular(light, 2 * brdf)
+    assert figure_1.relative_error(*brighter, frames, weights) == pytest.approx(once, rel=1e-4)
+    assert figure_1.relative_error(rm, exact, frames, 3 * weights) == pytest.approx(once, rel=1e-12)
+
+
+def test_frames_chosen_by_their_light_stand_for_all() -> None:
+    """Weighted means over the chosen are those over all frames, and of the light with less scatter."""
+    rm = prefilter(SKY, GGX(0.2), orders=(12, 2))
+    frames, weights = figure_1.of_any_direction(rm, 2000)
+    every = np.sum(Frames.drawn(32000).radiance(rm) ** 2, axis=1)
+    light = weights * np.sum(frames.radiance(rm) ** 2, axis=1)
+    # Chances are at least half of the frame's share of the light and half of uniform: weights are at most 2,
+    # weighted light at most twice its mean. Means of 2000 values within [0, 2] scatter by 1 / sqrt(2000).
+    assert weights.max() <= 2
+    assert light.max() <= 2 * every.mean() * (1 + 1e-6)
+    assert weights.mean() == pytest.approx(1, abs=4 / np.sqrt(2000))
+    assert light.mean() == pytest.approx(every.mean(), rel=4 / np.sqrt(2000))

@@ -8,15 +8,16 @@ import pytest
 import rgl_format
 from data import require
 from directions import direction, hemisphere
-from shrm import brdf
+from shrm import _core, brdf
 from shrm.brdf.measured import rgl
+from shrm.brdf.measured.spectrum import to_linear_srgb
 
 FILES = ["aurora_white_rgb", "cm_military_green_rgb", "ilm_solo_m_68_rgb", "vch_golden_yellow_rgb"]
 Fields = dict[str, np.ndarray]
 
 
 def pairs(n: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Anywhere above the horizon; a fifth each with a grazing light or eye, near the mirror, near the retro."""
+    """Anywhere above the horizon; a fifth each with a grazing light or eye, near mirror, near retro."""
     rng = np.random.default_rng(seed)
     wi, wo = hemisphere(n, seed + 1), hemisphere(n, seed + 2)
     kinds = np.arange(n) % 5
@@ -134,8 +135,6 @@ def test_grey_spectra_are_grey(tmp_path: Path) -> None:
 
 
 def test_colors_are_those_of_the_spectra(tmp_path: Path) -> None:
-    from shrm.brdf.measured.spectrum import to_linear_srgb
-
     rng = np.random.default_rng(8)
     fields = rgl_format.random(8)
     wavelengths = np.linspace(400, 700, 16, dtype=np.float32)
@@ -244,7 +243,7 @@ def replaced(name: str, value: float) -> Fields:
         (changed("rgb", np.ones((1, 3, 3, 4), np.float32)), "rgb must have 5 dimensions"),
         (changed("rgb", np.ones((1, 3, 3, 0, 4), np.float32)), "rgb must have 1 to"),
         (changed("vndf", np.zeros((1, 3, 4, 4), np.float32)), "vndf must not be 0"),
-        (replaced("vndf", np.nan), "vndf must be finite, got 1"),
+        (replaced("vndf", np.nan), "vndf must be finite and below .*, got 1 values"),
         (replaced("rgb", np.inf), "rgb must be finite"),
         (replaced("sigma", 0), "sigma must be positive"),
         (replaced("jacobian", 7), "jacobian must be 0 or 1"),
@@ -253,7 +252,7 @@ def replaced(name: str, value: float) -> Fields:
         (
             without("rgb")
             | {"spectra": np.ones((1, 3, 2, 4, 4), np.float32), "wavelengths": np.float32([500, 400])},
-            "wavelengths must rise",
+            "wavelengths must be two or more strictly",
         ),
         (
             without("rgb")
@@ -307,6 +306,20 @@ def require_refusal(path: Path, text: str) -> None:
         rgl.read(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "shape"),
+    [("theta_i", (0,)), ("vndf", (3, 1, 4)), ("values", (3, 2, 2, 1)), ("ndf", (1, 3)), ("sigma", (1,))],
+)
+def test_the_core_guards_memory(name: str, shape: tuple[int, ...]) -> None:
+    shapes = {"theta_i": (3,), "vndf": (3, 4, 4), "values": (3, 2, 2, 3), "ndf": (2, 3), "sigma": (2,)}
+    tables = {
+        key: np.ones(extents, np.float64 if key == "theta_i" else np.float32)
+        for key, extents in (shapes | {name: shape}).items()
+    }
+    with pytest.raises(ValueError, match=name):
+        _core.AdaptiveParameterization(**tables)
 
 
 def test_a_missing_file_is_an_oserror(tmp_path: Path) -> None:

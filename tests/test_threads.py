@@ -11,7 +11,7 @@ from shrm._core import processor
 SCRIPT = """
 import sys
 import numpy as np
-from shrm import Environment, brdf, prefilter, prefilter_hierarchical, sh
+from shrm import Environment, _core, brdf, prefilter, prefilter_hierarchical, sh
 from shrm.reference import prefilter_angular
 from shrm.transfer.lighting import (
     Compressed, Convolution, Diffuse, FixedLight, FixedView, Projection, Tents,
@@ -41,6 +41,16 @@ results["half-angle map"] = facets.at_view([0.6, 0, 0.8])
 descent = prefilter_hierarchical(env, brdf.Phong(64) + brdf.Lambert(0.5), threshold=1e-3, size=24)
 for centre, pixels in descent.at_view([0, 0, 1]).items():
     results[f"hierarchical, {centre}"] = pixels
+
+L, E = rng.normal(size=(2, 3000, 3))
+L, E = (w / np.linalg.norm(w, axis=1, keepdims=True) * np.where(w[:, 2:] < 0, -1, 1) for w in (L, E))
+for axes in ("angles", "half-angle"):
+    results[f"table over {axes}"] = brdf.Tabulated(rng.uniform(size=(9, 8, 7, 3)), axes).transfer(L, E)
+table = rng.uniform(0.1, 1, (4, 9, 9, 3)).astype(np.float32)
+results["adaptive table"] = _core.AdaptiveParameterization(
+    theta_i=np.linspace(0, 1.5, 4), vndf=table[..., 0].copy(), values=table, ndf=table[0, :, :, 0].copy(),
+    sigma=table[0, 0, :, 0].copy(),
+).evaluate(wi=L, wo=E)
 
 T = np.cross(N, V)
 T /= np.linalg.norm(T, axis=1, keepdims=True)

@@ -42,7 +42,7 @@ def material_figure(brdf: BRDF, env: Environment, env_name: str, tolerance: floa
     env_name : str
         What it is called.
     tolerance : float
-        The error wanted of the sphere.
+        The error wanted of the sphere, whose mirror-like core is split off where it must be.
 
     Returns
     -------
@@ -58,7 +58,7 @@ def material_figure(brdf: BRDF, env: Environment, env_name: str, tolerance: floa
     for lobe in brdf.lobes:
         refuse_anisotropic(lobe)
     energy, captured = _energies(brdf)
-    rm = prefilter(env, brdf, tolerance=tolerance)
+    rm = prefilter(env, brdf, tolerance=tolerance, residual="auto")
     figure = Figure(figsize=(11.0, 7.6), layout="constrained")
     grid = figure.add_gridspec(2, 2, height_ratios=(1.25, 1.0))
     _lobes(figure.add_subplot(grid[0, 0], projection="polar"), brdf)  # type: ignore[arg-type]
@@ -135,7 +135,10 @@ def _sphere(axes: Axes, rm: ReflectionMap, env_name: str) -> None:
     axes.imshow(rgba, interpolation="lanczos")
     axes.set(xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
-    axes.set_title(f"under {env_name}: F = {rm.F}, P = {rm.P}, predicted error {rm.error:.1%}", fontsize=9)
+    core = "" if rm.residual is None else ", its core apart"
+    axes.set_title(
+        f"under {env_name}: F = {rm.F}, P = {rm.P}{core}, predicted error {rm.error:.1%}", fontsize=9
+    )
 
 
 def _spectrum(axes: Axes, energy: FloatArray, captured: FloatArray) -> None:

@@ -10,7 +10,8 @@ centres of the bins and are interpolated linearly between them, in the coordinat
 Negative entries mark what could not be measured, at grazing angles, and what lies below the horizon; one
 negative channel is enough. They are filled, with 0 or once and for all with the nearest entry that has data:
 along phi_d, on which lobes depend least, then what still lacks it along theta_d, then along theta_h; of two
-equally near ones with that of the smaller angle. What is filled counts as not covered, to the nearest bin.
+equally near ones with that of the smaller angle, up to phi_d = pi/2, and beyond it by the symmetry below.
+What is filled counts as not covered, to the nearest bin.
 
 An isotropic material without handedness is its own mirror image, which takes phi_d to pi - phi_d: entries are
 the mean of the file's and its mirror image's, where both have data. That keeps reciprocity and energy.
@@ -69,7 +70,7 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
         finite, in one line that names it.
     """
     values = _entries(path)
-    has_data = (values >= 0.0).all(axis=-1)
+    has_data: BoolArray = np.all(values >= 0.0, axis=-1)
     if not has_data.any():
         raise ValueError(f"{path}: has no data, every entry is negative")
     notes = _notes(values, has_data)
@@ -149,9 +150,9 @@ def _notes(values: Float32Array, has_data: BoolArray) -> tuple[str, ...]:
     if missing := int(np.sum(~has_data)):
         notes.append(f"{missing} of {has_data.size} entries have no data")
     both = has_data & has_data[:, :, ::-1]
-    pairs = values[both], values[:, :, ::-1][both]
-    size, difference = np.abs(pairs[0]).mean(), np.abs(pairs[0] - pairs[1]).mean()
-    if both.any() and difference > 1e-3 * size:
+    size = values[both].sum(dtype=np.float64)
+    difference = np.abs(values[both] - values[:, :, ::-1][both]).sum(dtype=np.float64)
+    if difference > 1e-3 * size:
         notes.append(f"differs by {difference / size:.1%} from its mirror image: the mean of both is taken")
     return tuple(notes)
 
@@ -168,8 +169,12 @@ def _symmetrise(values: Float32Array, has_data: BoolArray) -> None:
 
 
 def _fill(values: Float32Array, has_data: BoolArray) -> None:
-    """Fill entries without data from the nearest along phi_d, then theta_d, then theta_h, in place."""
-    filled = has_data
+    """Fill entries without data from the nearest along phi_d, then theta_d, then theta_h, in place.
+
+    The table is its own mirror image and stays it: half of it is filled, and has the nearest entries of all.
+    """
+    half = (values.shape[2] + 1) // 2
+    whole, values, filled = values, values[:, :, :half], has_data[:, :, :half]
     for axis in (2, 1, 0):
         n = filled.shape[axis]
         index = np.arange(n, dtype=np.int32).reshape([n if k == axis else 1 for k in range(3)])
@@ -182,3 +187,4 @@ def _fill(values: Float32Array, has_data: BoolArray) -> None:
         origin[axis] = source[wanted]
         values[wanted] = values[tuple(origin)]
         filled = found
+    whole[:, :, -half:] = values[:, :, ::-1].copy()  # of an odd number, the middle one is in both halves

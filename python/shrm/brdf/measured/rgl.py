@@ -38,6 +38,7 @@ import numpy.typing as npt
 from shrm import _core
 from shrm.brdf.lobe import FloatArray
 from shrm.brdf.measured.material import BoolArray, Extrapolate, Measured
+from shrm.brdf.measured.spectrum import to_linear_srgb
 from shrm.brdf.measured.tensor_file import MAGIC, TensorFile, open_tensor_file
 
 Float32Array = npt.NDArray[np.float32]
@@ -87,8 +88,8 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     values = _colors(file, len(theta_i))
     if negative := int(np.sum(values < 0.0)):
         notes += (f"{negative} of {values.size} colors were negative, outside sRGB's gamut: 0 there",)
-    size = np.abs(values).mean()
-    if (handedness := np.abs(values - values[:, ::-1]).mean()) > 1e-3 * size:
+    size = np.abs(values).mean(dtype=np.float64)
+    if (handedness := np.abs(values - values[:, ::-1]).mean(dtype=np.float64)) > 1e-3 * size:
         notes += (f"differs by {handedness / size:.1%} from its mirror image, phi_i - phi_o reversed",)
     table = _core.AdaptiveParameterization(
         theta_i=theta_i,
@@ -137,16 +138,15 @@ def _colors(file: TensorFile, slices: int) -> Float32Array:
         rgb = file.read("rgb", "f4", 5)
         _require_squares(file.path, slices, 3, rgb=rgb)
         return np.ascontiguousarray(np.moveaxis(rgb[0], 1, -1))
-    from shrm.brdf.measured.spectrum import to_linear_srgb
-
     wavelengths = file.read("wavelengths", "f4", 1).astype(np.float64)
-    if not (np.diff(wavelengths) > 0.0).all():
-        raise ValueError(f"{file.path}: wavelengths must rise, got {len(wavelengths)} that do not")
     spectra = file.read("spectra", "f4", 5)
     _require_squares(file.path, slices, len(wavelengths), spectra=spectra)
     colors = np.empty((slices, *spectra.shape[3:], 3), np.float32)
-    for color, spectrum in zip(colors, spectra[0], strict=True):  # one by one, in little memory
-        color[...] = to_linear_srgb(wavelengths, np.moveaxis(spectrum, 0, -1).astype(np.float64))
+    try:
+        for color, spectrum in zip(colors, spectra[0], strict=True):  # one by one, in little memory
+            color[...] = to_linear_srgb(wavelengths, np.moveaxis(spectrum, 0, -1))
+    except ValueError as fault:  # what is wrong with the wavelengths
+        raise ValueError(f"{file.path}: {fault}") from None
     return colors
 
 

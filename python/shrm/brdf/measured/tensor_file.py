@@ -33,6 +33,7 @@ _TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f2", "f4", "f8")  # k
 _MOST_FIELDS = 64
 _MOST_DIMENSIONS = 8
 _LONGEST_HEADER = 1 << 16
+_LARGEST = 1e30  # of floating point values: sums of them hold in float32
 _LARGEST_FIELD = 1 << 26  # bytes; the largest of an isotropic material of the database is of a tenth of that
 
 
@@ -58,7 +59,7 @@ class TensorFile:
     fields: dict[str, Field]
 
     def read(self, name: str, dtype: str, ndim: int) -> npt.NDArray[Any]:
-        """Return the values of a field, which must be there, of this type and finite.
+        """Return the values of a field, which must be there, of this type and finite, below 1e30.
 
         Parameters
         ----------
@@ -94,9 +95,11 @@ class TensorFile:
         if len(data) < field.nbytes:  # it has become shorter since
             raise ValueError(f"{self.path}: is truncated within {name}")
         values = np.frombuffer(data, field.dtype.newbyteorder("<")).reshape(field.shape)
-        if values.dtype.kind == "f" and not np.isfinite(values).all():
-            count = int(np.sum(~np.isfinite(values)))
-            raise ValueError(f"{self.path}: {name} must be finite, got {count} values that are not")
+        if values.dtype.kind == "f" and (wrong := ~(np.abs(values) < _LARGEST)).any():  # NaN too
+            raise ValueError(
+                f"{self.path}: {name} must be finite and below {_LARGEST:g}, got {np.sum(wrong)} values that "
+                f"are not, the first {values[wrong][0]:g}"
+            )
         return values.astype(field.dtype, copy=False)
 
 
