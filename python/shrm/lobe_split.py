@@ -4,10 +4,10 @@
 
 m is the mean of rho_hat over the channels and T, the height, a number per steradian. Far below T the lobe is
 smooth, far above it is core; the smooth part never exceeds T on average over the channels. Both are as
-analytic as the lobe and have its colours and its horizon, neither is negative where the lobe is not. The
-sharper cut min(rho_hat, T) leaves a core with a kink at its rim: at the same error it reflects up to a
-quarter less, but tables of it are off by two to four times as much, and its parts take twice as long to
-analyse.
+analytic as the lobe and have its colours and its horizon, neither is negative where the lobe is not.
+A cut at the height, min(rho_hat, T), leaves less for the core at the same error, by a few per cent for most
+of a lobe and by half for a faint peak, but a kink at its rim: its parts take up to twice as long to analyse,
+and integrators have to find the rim.
 """
 
 from __future__ import annotations
