@@ -66,7 +66,8 @@ def test_a_material_of_a_file(tmp_path):
     lobe = {"xy0": [-1, -1, -1], "z0": [1, 1, 1], "e0": [9, 8, 7], "diffuse": [0.1, 0.2, 0.3]}
     path.write_text(json.dumps({"paint": lobe}))
     material = brdf.parse(f"0.5*lafortune:{path}#paint + lambert:0.1")
-    assert material.name == "0.5*lafortune(paint) + lambert(albedo=0.1)"
+    assert material.name == f"0.5*lafortune({path}#paint) + lambert(albedo=0.1)"
+    assert brdf.parse(material.name).name == material.name
     assert material.channels == 3
     with pytest.raises(ValueError, match=r"no material 'skin'; it has 'paint'"):
         brdf.parse(f"lafortune:{path}#skin")

@@ -112,7 +112,9 @@ def _lobes(axes: PolarAxes, brdf: BRDF) -> None:
         axes.set(thetamin=-90, thetamax=90)
     axes.tick_params(labelsize=8)
     axes.grid(color="0.88", linewidth=0.6)
-    axes.set_title("lobes: BRDF times cosine, luminance, by the angle of the light", fontsize=9)
+    axes.set_title(
+        "BRDF times cosine by the angle of the light, logarithmic; thick marks: the view", fontsize=9
+    )
     place = {"loc": "center left", "bbox_to_anchor": (1.08, 0.5)} if tangent else {"loc": "upper center"}
     axes.legend(
         title="view at", fontsize=8, title_fontsize=8, frameon=False, ncols=1 if tangent else 4, **place
@@ -135,7 +137,7 @@ def _sphere(axes: Axes, rm: ReflectionMap, env_name: str) -> None:
     axes.imshow(rgba, interpolation="lanczos")
     axes.set(xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
-    core = "" if rm.residual is None else ", its core apart"
+    core = "" if rm.residual is None else ", peak apart (residual)"
     axes.set_title(
         f"under {env_name}: F = {rm.F}, P = {rm.P}{core}, predicted error {rm.error:.1%}", fontsize=9
     )
@@ -143,12 +145,17 @@ def _sphere(axes: Axes, rm: ReflectionMap, env_name: str) -> None:
 
 def _spectrum(axes: Axes, energy: FloatArray, captured: FloatArray) -> None:
     l = np.arange(len(energy))
-    axes.semilogy(l, np.maximum(energy, 1e-12), color="#d95f02", linewidth=1.6, label="every P")
     for p in (0, 1, 2, 3, 5, 8):
         shade = str(0.8 * (1 - p / P))
         axes.semilogy(l, np.maximum(captured[p], 1e-12), color=shade, linewidth=1.0, label=f"P = {p}")
+    axes.semilogy(l, np.maximum(energy, 1e-12), "--", color="#d95f02", linewidth=1.6, label="every P")
     top = float(energy.max())
-    axes.set(xlim=(0, F), ylim=(1e-6 * top, 2 * top), xlabel="degree l", ylabel="share of the energy")
+    axes.set(
+        xlim=(0, F),
+        ylim=(max(energy.min() / 30, 1e-6 * top), 2 * top),
+        xlabel="degree l",
+        ylabel="share of the energy",
+    )
     axes.set_title("spectrum of the coefficients", fontsize=9)
     axes.legend(fontsize=7, frameon=False, ncols=2)
     axes.spines[["top", "right"]].set_visible(False)
@@ -173,6 +180,6 @@ def _accuracy(axes: Axes, energy: FloatArray, captured: FloatArray) -> None:
         axes.clabel(lines, fmt=lambda x: f"{x:.0%}", fontsize=8)
     axes.set(xlabel="F", ylabel="P")
     axes.set_title(
-        f"accuracy: share of the energy within (F, P); every P to F = {F}: {energy.sum():.1%}", fontsize=9
+        f"accuracy: share of the energy within (F, P); all of F <= {F}: {energy.sum():.1%}", fontsize=9
     )
-    axes.figure.colorbar(image, ax=axes, format="%.1f")
+    axes.figure.colorbar(image, ax=axes, format=lambda x, _: f"{x:.0%}")

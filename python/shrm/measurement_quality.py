@@ -1,6 +1,6 @@
 """What is to be known of measurements before they are trusted: reciprocity, energy, where there are none.
 
-Nothing is mended here or anywhere else: a material that reflects more than it receives does so in pictures.
+Neither is mended, here or by the readers: a material that reflects more than it receives does so in pictures.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ class Quality:
     Attributes
     ----------
     reciprocity_error : float
-        Mean of |f(L, V) - f(V, L)| over that of f, both weighted by (N.L)(N.V); 0 if f is reciprocal.
+        Mean of |f(L, V) - f(V, L)| over that of f, both weighted by (N.L)(N.V), over pairs with data both
+        ways; 0 if f is reciprocal.
     albedo : (views, 3) float64
         Directional albedo at the angles `VIEWS`: the share of light from everywhere that is reflected.
     covered : float
@@ -65,11 +66,11 @@ def quality(material: Measured, pairs: int = 1 << 16) -> Quality:
     Quality
     """
     L, V = _pairs(pairs)
-    weight = L[:, 2] * V[:, 2]
-    forth = material.function(L, V) * V[:, 2:]  # f (N.L)(N.V)
-    back = material.function(V, L) * L[:, 2:]
+    data = material.covers(L, V)
+    both = (data & material.covers(V, L))[:, None]
+    forth = both * material.function(L, V) * V[:, 2:]  # f (N.L)(N.V)
+    back = both * material.function(V, L) * L[:, 2:]
     mean = 0.5 * float((forth + back).sum())
-    data = material.covers(L, V) & (weight > 0)
     return Quality(
         reciprocity_error=float(np.abs(forth - back).sum()) / mean if mean > 0 else 0.0,
         albedo=_albedo(material),

@@ -181,8 +181,8 @@ def choose(
     warnings.warn(
         f"{brdf.name}: tolerance {tolerance:g} ({criterion}) is not met with "
         f"{found.limited_by} <= {cap}: the error is {found.error:.3g}; "
-        f"raise {found.limited_by}_max (shrm prefilter --max-orders) or integrate "
-        "(prefilter_angular, shrm render --method angular)",
+        f"raise {found.limited_by}_max (shrm prefilter --max-orders), split the core off (residual='auto', "
+        "--residual auto) or integrate (prefilter_hierarchical, shrm render --method hierarchical)",
         ToleranceWarning,
         stacklevel=2,
     )

@@ -77,7 +77,10 @@ class ABC(BRDF):
         """
         keys = ("kD", "A", "B", "C", "ior")
         return json_file.material(
-            path, name, "ABC parameters", lambda found: cls(*(found[key] for key in keys), label=name)
+            path,
+            name,
+            "ABC parameters",
+            lambda found: cls(*(found[key] for key in keys), label=f"abc:{path}#{name}"),
         )
 
     @property

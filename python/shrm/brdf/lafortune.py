@@ -110,7 +110,7 @@ class Lafortune(BRDF):
             If it is no such file, or has no material of that name; the text names those it has.
         """
         return json_file.material(
-            path, name, "Lafortune coefficients", lambda found: cls.from_coefficients(found, name)
+            path, name, "Lafortune coefficients", lambda found: cls.from_coefficients(found, f"{path}#{name}")
         )
 
     @classmethod

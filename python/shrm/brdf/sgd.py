@@ -92,7 +92,7 @@ class SGD(BRDF):
             path,
             name,
             "SGD parameters",
-            lambda found: cls(*(value(found, key) for key in PARAMETERS), label=name),
+            lambda found: cls(*(value(found, key) for key in PARAMETERS), label=f"sgd:{path}#{name}"),
         )
 
     @property

@@ -38,7 +38,12 @@ DEGREES = 60  # of the spectrum that are looked at
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    add_environment(command, optional=True, layout_flags=("--layout", "--env-layout"))
+    add_environment(
+        command,
+        optional=True,
+        layout_flags=("--layout", "--env-layout"),
+        or_else="; or a file of measurements, a reflection map, an object with transfer",
+    )
     command.add_argument("--brdf", metavar="B", help=MATERIAL)
     add_extrapolate(command)
     command.add_argument("--plot", type=picture, metavar="FILE", help="picture of the material, .png")
@@ -85,7 +90,7 @@ def is_measured(path: str) -> bool:
     from shrm.brdf import measured
 
     try:
-        return measured.recognised(Path(path)) is not None
+        return measured.recognised(Path(path.partition(":sample=")[0])) is not None
     except OSError:
         return False  # reading it as an environment says what is wrong
 
@@ -223,10 +228,13 @@ def material_lines(brdf: BRDF) -> list[str]:
         if lobe.kind == "anisotropic":
             lines.append(f"  lobe {index}         anisotropic: for matrix radiance transfer, no map holds it")
             continue
-        found = orders.choose(Material((lobe,), f"lobe {index}"), tolerance=0.03, criterion="brdf")
+        with warnings.catch_warnings():  # the line says it
+            warnings.simplefilter("ignore", orders.ToleranceWarning)
+            found = orders.choose(Material((lobe,), f"lobe {index}"), tolerance=0.03, criterion="brdf")
+        limit = "" if not found.limited_by else f", not more within F <= {orders.F_MAX}, P <= {orders.P_MAX}"
         lines.append(
             f"  lobe {index}         about the {lobe.center}, F = {found.F}, P = {found.P}"
-            f" for {1.0 - found.error:.1%} of its energy"
+            f" for {1.0 - found.error:.1%} of its energy{limit}"
         )
     return lines
 
@@ -239,13 +247,14 @@ def measured_lines(brdf: Measured) -> list[str]:
 
     found = quality(brdf)
     largest, view = found.largest_albedo
-    filled = {"nearest": "the nearest value", "zero": "nothing"}[brdf.extrapolate]
+    filled = {"nearest": "continued (nearest)", "zero": "black"}[brdf.extrapolate]
     return [
         f"  source         {brdf.source}",
         *(f"  note           {note}" for note in brdf.notes),
-        f"  reciprocity    f(L, V) and f(V, L) differ by {found.reciprocity_error:.1%} (mean)",
-        f"  largest albedo {largest:.3g} at {np.degrees(view):.0f} degrees"
+        f"  reciprocity    f(L, V) and f(V, L) differ by {found.reciprocity_error:.1%} (mean, where both have"
+        " data)",
+        f"  largest albedo {largest:.3g} of a channel, at {np.degrees(view):.0f} degrees"
         + (": more than it receives" if largest > 1.0 else ""),
-        f"  data           for {found.covered:.1%} of all pairs of directions, to"
-        f" {np.degrees(found.covered_to):.0f} degrees; elsewhere {filled}",
+        f"  data           for {found.covered:.1%} of all pairs of directions, complete"
+        f" to {np.degrees(found.covered_to):.0f} degrees; elsewhere {filled}",
     ]

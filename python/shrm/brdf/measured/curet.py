@@ -142,6 +142,7 @@ def _sample(path: Path, rows: FloatArray, sample: int | None) -> int:
     if len(rows) > 1:
         raise ValueError(
             f"{path}: holds {len(rows)} samples, numbers {rows[0, 0]:g} to {rows[-1, 0]:g}: say which"
+            " (sample=N, or FILE:sample=N)"
         )
     return int(rows[0, 0])
 

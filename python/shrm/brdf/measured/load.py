@@ -51,7 +51,8 @@ def load(
     Returns
     -------
     Measured
-        A material like any other, in linear sRGB; the same one for a file that has not changed. What it
+        A material like any other, in linear sRGB; the same one for a file that has not changed (but
+        for CUReT's, which may be several). What it
         lacks in reciprocity, or has too much of energy, is as it was measured: `shrm.measurement_quality`
         and `shrm info` report it.
 
@@ -60,14 +61,17 @@ def load(
     OSError
         If the file cannot be read.
     MeasurementError
-        If it is of none of the formats, or damaged: a ValueError of one line that names it.
+        If it is of none of the formats, or damaged, or has no such sample: a ValueError of one line that
+        names it.
     ValueError
-        If `extrapolate` is none of those, or `sample` is given for a file of one material.
+        If `extrapolate` is none of those.
     """
     one_of("extrapolate", extrapolate, get_args(Extrapolate))
     file = Path(path)
     at = file.stat()
     number = None if sample is None else whole_number("sample", sample, 0)
+    if (known := recognised(file)) is curet:  # reads the files of other channels beside it
+        return _read(known, file, extrapolate, number)
     return _kept(str(path), extrapolate, number, at.st_mtime_ns, at.st_size)
 
 
@@ -76,19 +80,23 @@ def load(
 def _kept(path: str, extrapolate: Extrapolate, sample: int | None, mtime: int, size: int) -> Measured:
     file = Path(path)
     if (known := recognised(file)) is not None:
-        try:
-            if known is curet:
-                return curet.read(file, extrapolate, sample=sample)
-            if sample is not None:
-                raise ValueError(f"{path}: holds one material, which has no number, got sample {sample}")
-            return known.read(file, extrapolate)
-        except ValueError as fault:
-            raise MeasurementError(str(fault)) from None
+        return _read(known, file, extrapolate, sample)
     what = "is empty" if size == 0 else "is no file of measurements that is known"
     with file.open("rb") as opened:
         if opened.read(HEAD).lstrip()[:1] == b"{":
             what = "is JSON: for one of its fits say lafortune:FILE#NAME, abc:FILE#NAME or sgd:FILE#NAME"
     raise MeasurementError(f"{path}: {what} (MERL .binary, RGL .bsdf, Cornell .brdf, CUReT, ALTA)")
+
+
+def _read(known: Format, path: Path, extrapolate: Extrapolate, sample: int | None) -> Measured:
+    try:
+        if known is curet:
+            return curet.read(path, extrapolate, sample=sample)
+        if sample is not None:
+            raise ValueError(f"{path}: holds one material, which has no number, got sample {sample}")
+        return known.read(path, extrapolate)
+    except ValueError as fault:
+        raise MeasurementError(str(fault)) from None
 
 
 def recognised(path: Path) -> Format | None:

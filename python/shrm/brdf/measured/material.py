@@ -3,8 +3,10 @@
     rho_hat = function(wi, wo)    where N.L > 0 and N.V >= 0, the cosine in it
 
 Measurements do not cover every direction: goniometers stop before grazing angles, tables mark what they
-lack. A reader fills those directions as it is told (`Extrapolate`) and `covers` says which they are. Nothing
-else is changed: what is measured may be less than reciprocal, or reflect more than it receives.
+lack. A reader fills those directions as it is told (`Extrapolate`) and `covers` says which they are.
+Reciprocity and energy are not touched: what is measured may be less than reciprocal, or reflect more than it
+receives. What a reader must change so that the values are light (negative colours, a fit below zero, a table
+that is not its own mirror image) its module says, and a note where it acts.
 """
 
 from __future__ import annotations
@@ -20,8 +22,8 @@ from shrm.brdf.half_vector import above_horizon
 from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe
 
 Extrapolate = Literal["nearest", "zero"]
-"""How directions without data are filled: with the value of the nearest that have some (in the coordinates of
-the file), the default, or with nothing, black."""
+"""How directions without data are filled: with the value of the nearest that have some, in the coordinates of
+the file (RGL's files continue their values themselves), the default; or with nothing, black."""
 
 
 class MeasurementError(ValueError):

@@ -63,7 +63,11 @@ def resampled(brdf: Function, covers: Covers, extrapolate: Extrapolate) -> Funct
 
 
 def cones(theta_i: float, theta_o: float) -> Covers:
-    """Return what is True where wi and wo lie within these angles from the normal."""
+    """Return what is True where wi and wo lie within these angles from the normal.
+
+    Smaller gaps between the geometries, such as goniometers have where the detector would shade the source,
+    are interpolated across and count as covered.
+    """
     # Cosines, with room for the rounding of a direction at the limit itself.
     least_i, least_o = np.cos(theta_i) - 1e-7, np.cos(theta_o) - 1e-7
 
