@@ -1,13 +1,17 @@
 """Files of measurements: recognised by content; whatever is not one, or damaged, is refused in one line."""
 
+import os
 import shutil
 import tracemalloc
 from pathlib import Path
 
 import numpy as np
+import oracles
 import pytest
 from data import require
+from shrm import Environment, prefilter_angular
 from shrm.brdf import Measured, MeasurementError, filled, load, parse
+from shrm.reference import integrate
 
 REAL = {
     "krylon_blue.brdf": "Cornell",
@@ -127,3 +131,35 @@ def fault_of(path: Path) -> str | None:
     values = found.lobes[0].transfer(np.array([[0.6, 0.0, 0.8]]), np.array([[-0.6, 0.0, 0.8]]))
     assert np.isfinite(values).all()
     return None
+
+
+@pytest.mark.parametrize("text", ["{}", "abc:{}#x", "lafortune:{}#skin"])
+def test_pipes_and_devices_are_not_waited_for(text: str, tmp_path: Path) -> None:
+    pipe = tmp_path / "p.brdf"
+    os.mkfifo(pipe)
+    with pytest.raises(ValueError, match="no regular file"):
+        parse(text.format(pipe))
+
+
+@pytest.mark.parametrize("number", ["9" * 401, "9" * 5000])
+def test_numbers_beyond_any_are_refused(number: str, tmp_path: Path) -> None:
+    path = tmp_path / "fits.json"
+    path.write_text(f'{{"x": {{"kD": {number}, "A": 1, "B": 1, "C": 1, "ior": 1}}}}')
+    with pytest.raises(ValueError, match=r"fits\.json"):
+        parse(f"abc:{path}#x")
+
+
+def test_an_argument_is_given_once(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="given twice"):
+        parse(f"{tmp_path}/a.brdf:extrapolate=zero,extrapolate=nearest")
+
+
+@pytest.mark.parametrize("file", ["garnet_red.brdf", "krylon_blue.brdf"])
+def test_black_beyond_the_data_is_black_to_integrators_too(file: str) -> None:
+    """Their tables are ratios to an envelope, which is nothing there."""
+    material = load(require(f"brdf/{file}"), extrapolate="zero")
+    env = Environment(np.random.default_rng(5).random((16, 32, 3)).astype(np.float32))
+    N, V, weights = oracles.important_views(env.pixels, 200, seed=3)
+    exact = integrate(env, material, N, V, subsamples=4)
+    found = prefilter_angular(env, material).radiance(N, V)
+    assert oracles.relative_rms(found, exact, weights) < 0.05

@@ -240,6 +240,10 @@ def channel_tables(transfer: Transfer) -> tuple[npt.NDArray[np.float32], npt.NDA
     return envelope, _ratio(transfer, envelopes)
 
 
+NOTHING = 4e-12
+"""Of its maximum: an envelope below is nothing; its floor is a fourth of that."""
+
+
 def _ratio(transfer: Transfer, envelopes: Array) -> npt.NDArray[np.float32]:
     """The lobe divided by its envelopes, (1 or channels, intervals + 1)."""
     light = _light_nodes()
@@ -247,7 +251,10 @@ def _ratio(transfer: Transfer, envelopes: Array) -> npt.NDArray[np.float32]:
     for cos_v in np.cos(view_nodes()):
         view = view_at(cos_v, len(light))
         enveloped = np.stack([_envelope_at(envelope, light, view) for envelope in envelopes], axis=1)
-        plane = channels_last(transfer(light, view)) / enveloped
+        # Where the envelope is nothing, as where measurements have none, so is the lobe.
+        there = enveloped > NOTHING * envelopes.max(axis=1)
+        value = channels_last(transfer(light, view))
+        plane = np.where(there, value / enveloped, 0.0)
         planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))
     ratio = _padded(_padded(np.array(planes), axis=2), axis=3)
     return np.ascontiguousarray(ratio.astype(np.float32))

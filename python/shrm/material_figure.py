@@ -65,7 +65,7 @@ def material_figure(brdf: BRDF, env: Environment, env_name: str, tolerance: floa
     _sphere(figure.add_subplot(grid[0, 1]), rm, env_name)
     _spectrum(figure.add_subplot(grid[1, 0]), energy, captured)
     _accuracy(figure.add_subplot(grid[1, 1]), energy, captured)
-    figure.suptitle(brdf.name, fontsize=13)
+    figure.suptitle(brdf.name, fontsize=13, parse_math=False)
     return figure
 
 
@@ -139,7 +139,9 @@ def _sphere(axes: Axes, rm: ReflectionMap, env_name: str) -> None:
     axes.spines[:].set_visible(False)
     core = "" if rm.residual is None else ", peak apart (residual)"
     axes.set_title(
-        f"under {env_name}: F = {rm.F}, P = {rm.P}{core}, predicted error {rm.error:.1%}", fontsize=9
+        f"under {env_name}: F = {rm.F}, P = {rm.P}{core}, predicted error {rm.error:.1%}",
+        fontsize=9,
+        parse_math=False,
     )
 
 

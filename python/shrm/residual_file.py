@@ -101,6 +101,12 @@ def read_residual(
     return Residual(pixels, cut, cores, layout, size, rotation)
 
 
+LEAST_SEGMENTS, LARGEST_SHIFT = 32, 22
+"""Of the tables of profiles, as the core has them."""
+TINY = 1e-30
+"""What heights and scales are above: squares of smaller ones are nothing to a float."""
+
+
 def _core(
     images: Images, about: Mapping[str, Any], k: int, maps: Mapping[str, tuple[Center, Array]]
 ) -> tuple[str, Core]:
@@ -132,18 +138,22 @@ def _core(
         ratio = np.ascontiguousarray(flat.reshape(views, -1, lights, azimuths))
         own_gamma = _angles(images, f"residual.{k}.centre")
         heights = number("above"), number("below")
+        if not min(heights[1], 1.0) > TINY:
+            raise ValueError(f"shrm:{k}.below = {heights[1]}")
         descent = IsotropicDescent(own_center, own_gamma, width, envelope, ratio, caps, integral, *heights)
     else:
         flat = _table(images, f"residual.{k}.profile", (None, None)).astype(np.float32)
         segments = flat.shape[1]
-        if len(flat) not in (4, 12) or segments < 2 or segments & (segments - 1):
+        if len(flat) not in (4, 12) or segments < LEAST_SEGMENTS or segments & (segments - 1):
             raise ValueError(f"residual.{k}.profile of shape {flat.shape}")
         values = np.ascontiguousarray(flat.reshape(-1, 4, flat.shape[1]))
         within = _table(images, f"residual.{k}.within", (None, 2))
         if len(within) < 2:
             raise ValueError(f"residual.{k}.within of shape {within.shape}")
-        shift, scale, support = int(number("shift")), number("scale"), number("support")
-        descent = RadialDescent(own_center, values, shift, scale, support, integral, width, within)
+        shift, scale, support = number("shift"), number("scale"), number("support")
+        if not (shift <= LARGEST_SHIFT and min(scale, support) > TINY and max(scale, support) < 1 / TINY):
+            raise ValueError(f"residual.{k}.profile over {shift:g}, {scale:g}, {support:g}")
+        descent = RadialDescent(own_center, values, int(shift), scale, support, integral, width, within)
     look_up = None
     if number("looked up"):
         albedo = _table(images, f"residual.{k}.albedo", (len(view_nodes()), None))
@@ -171,6 +181,6 @@ def _table(images: Images, name: str, shape: tuple[int | None, int | None]) -> A
     values = images[name].pixels[:, :, 0].astype(np.float64)
     if any(want is not None and want != have for want, have in zip(shape, values.shape, strict=True)):
         raise ValueError(f"{name} of shape {values.shape}")
-    if not np.isfinite(values).all():
-        raise ValueError(f"{name} is not finite")
+    if not np.all(np.abs(values) < 1 / TINY):
+        raise ValueError(f"{name} is not finite, or beyond {1 / TINY:g}")
     return values

@@ -194,8 +194,9 @@ def _smallest(measure: Measure, most: tuple[int, int], allowed: float) -> tuple[
     """The smallest P, then the smallest F, within caps, of which the latter leave no more than is allowed."""
     F_max, P_max = most
     target = max(allowed, 1.02 * measure.residual(F_max, P_max))
-    P = next(P for P in range(P_max + 1) if measure.residual(F_max, P) <= target)
-    return next(F for F in range(F_max + 1) if measure.residual(F, P) <= target), P
+    # the caps themselves where squares underflow
+    P = next((P for P in range(P_max) if measure.residual(F_max, P) <= target), P_max)
+    return next((F for F in range(F_max) if measure.residual(F, P) <= target), F_max), P
 
 
 _CLOSE = 0.3

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import stat
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -37,11 +38,16 @@ def material(
     ValueError
         If it is no such file, or has no material of that name; the text names those it has.
     """
-    if (size := Path(path).stat().st_size) > LARGEST:
-        raise ValueError(f"{path}: not a JSON file of {what}: {size} bytes are over the limit of {LARGEST}")
+    at = Path(path).stat()
+    if not stat.S_ISREG(at.st_mode):  # a pipe would be waited for, a device read for ever
+        raise ValueError(f"{path}: not a JSON file of {what}: no regular file")
+    if at.st_size > LARGEST:
+        raise ValueError(
+            f"{path}: not a JSON file of {what}: {at.st_size} bytes are over the limit of {LARGEST}"
+        )
     try:
         materials = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError):
+    except (ValueError, RecursionError):  # no UTF-8, no JSON, a number of thousands of digits
         raise ValueError(f"{path}: not a JSON file of {what}") from None
     if not isinstance(materials, dict):
         raise ValueError(f"{path}: must be a JSON object of materials, got {type(materials).__name__}")
@@ -54,5 +60,5 @@ def material(
         return make(found)
     except KeyError as missing:
         raise ValueError(f"{path}: material {name!r}: has no {missing}") from None
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{path}: material {name!r}: {error}") from None

@@ -165,11 +165,11 @@ class _File(NamedTuple):
 
     def load(self) -> BRDF:
         sample = self.sample
-        if sample is not None and not (sample.isascii() and sample.isdigit()):
+        if sample is not None and not (sample.isascii() and sample.isdigit() and len(sample) < 10):
             raise ValueError(f"{self.path}: sample must be a whole number, got {sample!r}")
         return load(
             self.path,
-            extrapolate=self.extrapolate or "nearest",  # type: ignore[arg-type]
+            extrapolate="nearest" if self.extrapolate is None else self.extrapolate,  # type: ignore[arg-type]
             sample=None if sample is None else int(sample),
         )
 
@@ -194,7 +194,10 @@ def _file(term: str) -> _File | None:
     a_name = "/" in re.split("[:(]", path)[0] or Path(path).suffix.lower() in SUFFIXES
     if not (there or (alone and a_name)):
         return None
-    arguments = dict(re.findall(r"(extrapolate|sample)=([^,)]*)", match["with"] or ""))
+    given = re.findall(r"(extrapolate|sample)=([^,)]*)", match["with"] or "")
+    arguments = dict(given)
+    if len(given) > len(arguments):
+        raise ValueError(f"{path}: {given[-1][0]} is given twice")
     return _File(path, arguments.get("extrapolate"), arguments.get("sample"))
 
 

@@ -116,6 +116,8 @@ def write_whole(path: Path, content: bytes) -> None:
     try:
         beside.write_bytes(content)
         os.replace(beside, path)
+    except OSError as fault:
+        raise type(fault)(fault.errno, fault.strerror, str(path)) from None
     finally:
         beside.unlink(missing_ok=True)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import stat
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -69,6 +71,10 @@ def load(
     one_of("extrapolate", extrapolate, get_args(Extrapolate))
     file = Path(path)
     at = file.stat()
+    if stat.S_ISDIR(at.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(at.st_mode):  # a pipe would be waited for
+        raise MeasurementError(f"{path}: is no regular file")
     number = None if sample is None else whole_number("sample", sample, 0)
     if (known := recognised(file)) is curet:  # reads the files of other channels beside it
         return _read(known, file, extrapolate, number)
@@ -107,6 +113,8 @@ def recognised(path: Path) -> Format | None:
     OSError
         If the file cannot be read.
     """
+    if not path.is_file() and path.exists():
+        return None
     with path.open("rb") as opened:
         head = opened.read(HEAD)
         size = os.fstat(opened.fileno()).st_size
