@@ -144,3 +144,11 @@ def test_cubes_without_coefficients_are_not_saved(env, tmp_path):
     with pytest.raises(ValueError, match="cannot be saved, take lat-long maps"):
         replace(rm, parts=(bare,)).save(tmp_path / "cube.exr")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_maps_beyond_float32_are_not_saved(env, tmp_path):
+    rm = prefilter(env, 1e40 * brdf.GGX(0.4), orders=(4, 1), size=8)
+    with pytest.raises(ValueError, match="cannot be saved"):
+        rm.save(tmp_path / "map.exr")
+    assert not list(tmp_path.iterdir())

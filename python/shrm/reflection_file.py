@@ -57,7 +57,8 @@ def save(rm: ReflectionMap, path: str | Path) -> None:
     shrm.ImageError
         If the file cannot be written.
     ValueError
-        If a cube map has no coefficients: its borders, which a file does not hold, are made from them.
+        If a cube map has no coefficients: its borders, which a file does not hold, are made from them. If a
+        value, or the predicted error, is not finite.
     """
     if any(part.layout == "cube" and part.F < 0 for part in rm.parts):
         raise ValueError(f"{rm.brdf}: cube maps without coefficients cannot be saved, take lat-long maps")
@@ -91,6 +92,8 @@ def save(rm: ReflectionMap, path: str | Path) -> None:
             parts.append(_image(f"{k}.gamma", part.gamma[None, :, None], "Y"))
     if rm.residual is not None:
         parts += residual_parts(rm.residual)
+    if not (np.isfinite(rm.error) and all(np.isfinite(part.pixels).all() for part in parts)):
+        raise ValueError(f"{rm.brdf}: its maps hold values beyond float32 or none, and cannot be saved")
     image_io.write_parts(path, parts)
 
 
