@@ -2,7 +2,7 @@
 
 import pathlib
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -154,6 +154,15 @@ def test_clusters_are_found_among_fewer_components_than_usual(
     assert RadianceTransfer.load(out).variants["shadowed"].components.shape[:2] == (2, 3)
 
 
+@pytest.fixture
+def interrupts() -> Iterator[None]:
+    """SIGINT as of a process in the foreground, whatever this one was started with."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interrupts")
 def test_an_interrupt_that_an_import_would_swallow_comes_after_it() -> None:
     done = []
 
@@ -171,11 +180,8 @@ def test_an_interrupt_that_an_import_would_swallow_comes_after_it() -> None:
     with interrupts_afterwards():
         pass
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # as of a process in the background
-    try:
-        with interrupts_afterwards():
-            signal.raise_signal(signal.SIGINT)
-    finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    with interrupts_afterwards():
+        signal.raise_signal(signal.SIGINT)
 
 
 @pytest.mark.parametrize(
