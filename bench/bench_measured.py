@@ -32,7 +32,7 @@ ENVIRONMENTS = {
 FILES = ("*.bsdf", "*.brdf", "*.binary", "*.alta")
 ROWS = 64
 TOLERANCE = 0.05
-FRAMES = 1000
+FRAMES = 2000
 ANALYTIC = brdf.GGX(0.3, (1.0, 0.71, 0.29))
 
 

@@ -18,6 +18,9 @@ from shrm.validation import one_of, whole_number
 class Format(Protocol):
     """A module that reads one format."""
 
+    def __hash__(self) -> int:
+        """As every module has: what is kept is found by it."""
+
     def recognises(self, head: bytes, size: int) -> bool:
         """Whether a file begins so, the first `HEAD` bytes of `size`."""
 
@@ -76,22 +79,31 @@ def load(
     if not stat.S_ISREG(at.st_mode):  # a pipe would be waited for
         raise MeasurementError(f"{path}: is no regular file")
     number = None if sample is None else whole_number("sample", sample, 0)
-    if (known := recognised(file)) is curet:  # reads the files of other channels beside it
+    known = recognised(file)
+    if known is None:
+        raise MeasurementError(
+            f"{path}: {_what_else(file)} (MERL .binary, RGL .bsdf, Cornell .brdf, CUReT, ALTA)"
+        )
+    if known is curet:  # reads the files of other channels beside it
         return _read(known, file, extrapolate, number)
-    return _kept(str(path), extrapolate, number, at.st_mtime_ns, at.st_size)
+    return _kept(known, file, extrapolate, number, at.st_mtime_ns, at.st_size)
+
+
+def _what_else(path: Path) -> str:
+    """What a file is that no format recognises."""
+    with path.open("rb") as opened:
+        head = opened.read(HEAD)
+    if head.lstrip()[:1] == b"{":
+        return "is JSON: for one of its fits say lafortune:FILE#NAME, abc:FILE#NAME or sgd:FILE#NAME"
+    return "is no file of measurements that is known" if head else "is empty"
 
 
 # A file that has not changed gives the same material, so that what is computed for it is found again.
 @lru_cache(maxsize=8)
-def _kept(path: str, extrapolate: Extrapolate, sample: int | None, mtime: int, size: int) -> Measured:
-    file = Path(path)
-    if (known := recognised(file)) is not None:
-        return _read(known, file, extrapolate, sample)
-    what = "is empty" if size == 0 else "is no file of measurements that is known"
-    with file.open("rb") as opened:
-        if opened.read(HEAD).lstrip()[:1] == b"{":
-            what = "is JSON: for one of its fits say lafortune:FILE#NAME, abc:FILE#NAME or sgd:FILE#NAME"
-    raise MeasurementError(f"{path}: {what} (MERL .binary, RGL .bsdf, Cornell .brdf, CUReT, ALTA)")
+def _kept(
+    known: Format, path: Path, extrapolate: Extrapolate, sample: int | None, mtime: int, size: int
+) -> Measured:
+    return _read(known, path, extrapolate, sample)
 
 
 def _read(known: Format, path: Path, extrapolate: Extrapolate, sample: int | None) -> Measured:
