@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "shrm/angular_profile.hpp"
+#include "shrm/angular/profile.hpp"
 
 namespace {
 

@@ -8,27 +8,27 @@
 
 #include <glm/glm.hpp>
 
-#include "shrm/adaptive_parameterization.hpp"
-#include "shrm/analysis.hpp"
-#include "shrm/angle_table.hpp"
-#include "shrm/angular.hpp"
-#include "shrm/brdf_analysis.hpp"
+#include "shrm/angular/angular.hpp"
+#include "shrm/brdf/adaptive_parameterization.hpp"
+#include "shrm/brdf/angle_table.hpp"
+#include "shrm/brdf/brdf_analysis.hpp"
 #include "shrm/core.hpp"
-#include "shrm/cube_synthesis.hpp"
-#include "shrm/directional_basis.hpp"
-#include "shrm/evaluation.hpp"
-#include "shrm/explicit_maps.hpp"
-#include "shrm/grid.hpp"
-#include "shrm/hierarchical.hpp"
-#include "shrm/layouts.hpp"
-#include "shrm/map_coefficients.hpp"
-#include "shrm/radiance.hpp"
-#include "shrm/reflection_map.hpp"
-#include "shrm/rotation.hpp"
-#include "shrm/synthesis.hpp"
-#include "shrm/transfer_lighting.hpp"
-#include "shrm/view_map.hpp"
-#include "shrm/wigner.hpp"
+#include "shrm/hierarchical/hierarchical.hpp"
+#include "shrm/pictures/grid.hpp"
+#include "shrm/pictures/layouts.hpp"
+#include "shrm/reflection/explicit_maps.hpp"
+#include "shrm/reflection/local_form.hpp"
+#include "shrm/reflection/map_coefficients.hpp"
+#include "shrm/reflection/radiance.hpp"
+#include "shrm/reflection/view_map.hpp"
+#include "shrm/sh/analysis.hpp"
+#include "shrm/sh/cube_synthesis.hpp"
+#include "shrm/sh/evaluation.hpp"
+#include "shrm/sh/rotation.hpp"
+#include "shrm/sh/synthesis.hpp"
+#include "shrm/sh/wigner.hpp"
+#include "shrm/transfer/lighting.hpp"
+#include "shrm/transfer/tent_basis.hpp"
 
 namespace {
 
@@ -303,7 +303,7 @@ void integrators() {
             }
 }
 
-void directional_basis() {
+void tent_basis() {
     for (int M : {2, 3, 8})
         for (int channels : {1, 3, 25}) {
             auto directions = random_directions(33);
@@ -399,7 +399,7 @@ int main() {
     reflection_maps();
     radiance();
     integrators();
-    directional_basis();
+    tent_basis();
     transfer_lighting();
     std::puts("sanitize: done");
 }

@@ -1,6 +1,6 @@
-"""Arrows run one way: the order of modules and of C++ stages, and who may import what.
+"""Arrows run one way: the order of modules, and who may import what.
 
-A module or stage that is not in these lists fails the test: put it where the data flows through it.
+A module that is not in these lists fails the test: put it where the data flows through it.
 """
 
 import ast
@@ -62,52 +62,12 @@ PYTHON_ORDER = [
     ["cli"],
 ]
 
-# Each stage, with its parts, may include only those above it.
-CPP_ORDER = [
-    ["core"],
-    ["quadrature", "trigonometry"],
-    ["layouts", "grid"],
-    ["simd", "half", "stream"],
-    ["legendre", "ring_fourier"],
-    ["analysis"],
-    ["synthesis"],
-    ["evaluation"],
-    ["wigner"],
-    ["rotation"],
-    ["direction_pairs"],
-    ["direction_lanes"],
-    ["angle_table", "adaptive_parameterization"],
-    ["brdf_analysis"],
-    ["reflection_map"],
-    ["map_coefficients"],
-    ["view_harmonics"],
-    ["radiance"],
-    ["view_map"],
-    ["explicit_maps"],
-    ["cube_synthesis"],
-    ["angular"],
-    ["angular_lanes"],
-    ["angular_profile", "angular_texels", "angular_caps", "angular_queries"],
-    ["angular_radial", "angular_half_angle", "angular_zonal", "angular_isotropic"],
-    ["pyramid"],
-    ["hierarchical"],
-    ["hierarchical_walk"],
-    ["hierarchical_radial", "hierarchical_zonal", "hierarchical_isotropic"],
-    ["transfer"],
-    ["directional_basis"],
-    ["radiance_pca"],
-    ["transfer_products"],
-    ["transfer_views"],
-    ["transfer_rows", "transfer_lighting"],
-    ["transfer_tents", "transfer_compressed", "transfer_earlier"],
-]
-
 
 def stages(order: list[list[str]]) -> dict[str, int]:
     return {part: index for index, parts in enumerate(order) for part in parts}
 
 
-PYTHON_STAGE, CPP_STAGE = stages(PYTHON_ORDER), stages(CPP_ORDER)
+PYTHON_STAGE = stages(PYTHON_ORDER)
 
 # The integrators judge the harmonics, so they may use nothing of them.
 PYTHON_JUDGES = {
@@ -129,10 +89,6 @@ PYTHON_NEUTRAL = {
     "lobe_quadrature",
     "central_direction",
 }
-CPP_JUDGES = {
-    part for stage in CPP_ORDER for part in stage if part.startswith(("angular", "pyramid", "hierarchical"))
-}
-CPP_NEUTRAL = {"core", "simd", "quadrature", "layouts", "grid"}
 
 # Each wraps its part of the core.
 CORE_WRAPPERS = {
@@ -162,7 +118,6 @@ ONLY_IN = {
 }
 
 PYTHON_FILES = sorted(PACKAGE.rglob("*.py"))
-CPP_FILES = sorted((ROOT / "cpp" / "shrm").iterdir())
 
 
 def unit_of(path: Path) -> str:
@@ -214,17 +169,6 @@ def test_each_library_is_behind_one_module(path: Path) -> None:
         assert unit in ONLY_IN.get(name, {unit}), f"{name_of(path)} imports {name}: only {ONLY_IN[name]} may"
 
 
-@pytest.mark.parametrize("path", CPP_FILES, ids=name_of)
-def test_cpp_arrows_run_one_way(path: Path) -> None:
-    assert path.stem in CPP_STAGE, f"{path.stem} is not in CPP_ORDER"
-    text = path.read_text()
-    assert not re.search(r"pybind11|Python\.h", text), "the core knows no Python"
-    included = set(re.findall(r'#include\s+[<"](?:shrm/)?(\w+)\.hpp[>"]', text)) & set(CPP_STAGE)
-    later = {part for part in included if CPP_STAGE[part] > CPP_STAGE[path.stem]}
-    assert not later, f"{name_of(path)} includes {sorted(later)}, which come after it"
-    assert path.stem not in CPP_JUDGES or included <= CPP_NEUTRAL | CPP_JUDGES
-
-
 def test_oracles_share_no_code_with_their_subject() -> None:
     path = ROOT / "tests" / "oracles.py"
     if not path.exists():
@@ -232,7 +176,7 @@ def test_oracles_share_no_code_with_their_subject() -> None:
     assert not re.search(r"^\s*(import|from)\s+shrm", path.read_text(), re.MULTILINE)
 
 
-@pytest.mark.parametrize("path", [*PYTHON_FILES, *CPP_FILES], ids=name_of)
+@pytest.mark.parametrize("path", PYTHON_FILES, ids=name_of)
 def test_a_file_is_one_idea_with_a_name(path: Path) -> None:
     assert len(path.read_text().splitlines()) <= 450
     assert not re.search(r"util|helper|manager|misc|common", path.stem)

@@ -1,4 +1,4 @@
-#include "shrm/angular.hpp"
+#include "shrm/angular/angular.hpp"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "shrm/brdf_analysis.hpp"
+#include "shrm/brdf/brdf_analysis.hpp"
 
 #include "ndarray.hpp"
 

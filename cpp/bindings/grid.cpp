@@ -1,7 +1,7 @@
 #include <string>
 
 #include "ndarray.hpp"
-#include "shrm/grid.hpp"
+#include "shrm/pictures/grid.hpp"
 
 namespace shrm::bindings {
 

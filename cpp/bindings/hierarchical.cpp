@@ -1,4 +1,4 @@
-#include "shrm/hierarchical.hpp"
+#include "shrm/hierarchical/hierarchical.hpp"
 
 #include <limits>
 #include <memory>

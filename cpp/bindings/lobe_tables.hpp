@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ndarray.hpp"
-#include "shrm/angular.hpp"
+#include "shrm/angular/angular.hpp"
 
 namespace shrm::bindings {
 

@@ -4,8 +4,8 @@
 #include <pybind11/stl.h>
 
 #include "ndarray.hpp"
-#include "shrm/adaptive_parameterization.hpp"
-#include "shrm/angle_table.hpp"
+#include "shrm/brdf/adaptive_parameterization.hpp"
+#include "shrm/brdf/angle_table.hpp"
 
 namespace shrm::bindings {
 namespace {

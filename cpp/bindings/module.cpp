@@ -13,7 +13,7 @@ void bind_brdf_analysis(pybind11::module_& module);
 void bind_reflection_map(pybind11::module_& module);
 void bind_angular(pybind11::module_& module);
 void bind_hierarchical(pybind11::module_& module);
-void bind_directional_basis(pybind11::module_& module);
+void bind_tent_basis(pybind11::module_& module);
 void bind_transfer_products(pybind11::module_& module);
 void bind_transfer_lighting(pybind11::module_& module);
 }  // namespace shrm::bindings
@@ -32,7 +32,7 @@ PYBIND11_MODULE(SHRM_MODULE, module) {
     bind_reflection_map(module);
     bind_angular(module);
     bind_hierarchical(module);
-    bind_directional_basis(module);
+    bind_tent_basis(module);
     bind_transfer_products(module);
     bind_transfer_lighting(module);
 }

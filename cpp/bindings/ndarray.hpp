@@ -56,10 +56,13 @@ template <class T>
 std::span<T> view(Array<T>& array) {
     return {array.mutable_data(), static_cast<std::size_t>(array.size())};
 }
-// (n, 3) as n vectors.
+// (..., 3) as vectors.
+static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
 inline std::span<const glm::dvec3> vectors(const Array<double>& array) {
-    static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
-    return {reinterpret_cast<const glm::dvec3*>(array.data()), static_cast<std::size_t>(array.shape(0))};
+    return {reinterpret_cast<const glm::dvec3*>(array.data()), static_cast<std::size_t>(array.size()) / 3};
+}
+inline std::span<glm::dvec3> vectors(Array<double>& array) {
+    return {reinterpret_cast<glm::dvec3*>(array.mutable_data()), static_cast<std::size_t>(array.size()) / 3};
 }
 
 inline py::ssize_t ssize(std::size_t n) {

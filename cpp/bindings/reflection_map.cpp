@@ -1,15 +1,16 @@
-#include "shrm/reflection_map.hpp"
+#include "shrm/reflection/local_form.hpp"
 
 #include <memory>
 #include <mutex>
 
 #include "ndarray.hpp"
 #include "shrm/core.hpp"
-#include "shrm/explicit_maps.hpp"
-#include "shrm/map_coefficients.hpp"
-#include "shrm/radiance.hpp"
-#include "shrm/view_harmonics.hpp"
-#include "shrm/view_map.hpp"
+#include "shrm/pictures/cube.hpp"
+#include "shrm/reflection/explicit_maps.hpp"
+#include "shrm/reflection/map_coefficients.hpp"
+#include "shrm/reflection/radiance.hpp"
+#include "shrm/reflection/view_map.hpp"
+#include "shrm/sh/view_harmonics.hpp"
 
 namespace shrm::bindings {
 namespace {
@@ -211,17 +212,12 @@ float largest_magnitude(const Array<float>& rings) {
 
 Array<double> cube_directions(int N) {
     require_positive("N", N);
-    const int padded = N + 2 * cube_border;
-    auto directions = allocate<double>({6 * padded, padded, 3});
-    double* out = directions.mutable_data();
-    for (int row = 0; row < 6 * padded; ++row)
-        for (int column = 0; column < padded; ++column) {
-            const auto centred = [N](int i) { return (2 * (i - cube_border) + 1.0) / N - 1; };
-            const glm::dvec3 d = cube_direction(row / padded, centred(column), centred(row % padded));
-            const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-            for (int c = 0; c < 3; ++c) *out++ = d[c] / length;
-        }
-    return directions;
+    const int bordered = N + 2 * cube_border;
+    auto result = allocate<double>({6 * bordered, bordered, 3});
+    const auto out = vectors(result);
+    const py::gil_scoped_release release;
+    cube_texel_directions(N, out);
+    return result;
 }
 
 }  // namespace

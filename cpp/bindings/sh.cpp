@@ -2,12 +2,12 @@
 #include <mutex>
 
 #include "ndarray.hpp"
-#include "shrm/analysis.hpp"
 #include "shrm/core.hpp"
-#include "shrm/cube_synthesis.hpp"
-#include "shrm/evaluation.hpp"
-#include "shrm/radiance.hpp"
-#include "shrm/synthesis.hpp"
+#include "shrm/pictures/cube.hpp"
+#include "shrm/sh/analysis.hpp"
+#include "shrm/sh/cube_synthesis.hpp"
+#include "shrm/sh/evaluation.hpp"
+#include "shrm/sh/synthesis.hpp"
 
 namespace shrm::bindings {
 namespace {

@@ -1,4 +1,4 @@
-#include "shrm/transfer_lighting.hpp"
+#include "shrm/transfer/lighting.hpp"
 
 #include <memory>
 #include <mutex>

@@ -1,4 +1,4 @@
-#include "shrm/transfer_products.hpp"
+#include "shrm/transfer/products.hpp"
 
 #include <optional>
 

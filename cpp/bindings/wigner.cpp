@@ -1,11 +1,11 @@
-#include "shrm/wigner.hpp"
+#include "shrm/sh/wigner.hpp"
 
 #include <memory>
 #include <mutex>
 
 #include "ndarray.hpp"
 #include "shrm/core.hpp"
-#include "shrm/rotation.hpp"
+#include "shrm/sh/rotation.hpp"
 
 namespace shrm::bindings {
 namespace {

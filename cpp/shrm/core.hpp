@@ -97,48 +97,58 @@
 //   [Lam85]    K. M. Lam. Metamerism and Colour Constancy. PhD thesis, Bradford, 1985.
 //   [BT709]    ITU-R Recommendation BT.709-6, 2015.
 //
-// INDEX, in the order the data flows
-//   quadrature      Gauss-Legendre nodes and weights
-//   trigonometry    functions of eight angles at once, in float64
-//   layouts         pictures of the sphere: directions, positions, solid angles of texels
-//   grid            area-exact conversion from one picture to another
-//   legendre        f_lm, the theta part of Y_lm, by recurrence
-//   ring_fourier    the phi part: Fourier transforms of the rings of a picture
-//   analysis        light: from a lat-long picture to coefficients L_lm
-//   wigner          small-d recurrences, Clebsch-Gordan
-//   rotation        rotation of coefficients
-//   angle_table, adaptive_parameterization   materials measured in tables
-//   brdf_analysis   material: the transfer function's coefficients rho_lpq
-//   map_coefficients  the product of both: the coefficients of the reflection map's own maps
-//   synthesis       from coefficients to maps, on a lat-long grid
-//   cube_synthesis  the same on a cube
-//   evaluation      the same at any directions
-//   reflection_map  the paper's way to the same maps: the local form, rotated texel by texel
-//   half            maps as half floats
-//   view_harmonics  the basis of the view at one direction
-//   view_map        all central directions under one view: the dynamic reflection map
-//   radiance        looking a reflection map up, point by point
-//   explicit_maps   the dynamic maps of many views at once
-//   angular         direct integration over lobes; shares nothing with the above but Gauss's nodes
-//                   (quadrature), to judge it. Its parts:
-//                   texels   the nodes of a picture's texels, and which of them a lobe visits
-//                   lanes    vectors of the instruction set, and sums in them
-//                   profile  a radial profile in lanes, and the innermost loops
-//                   caps     what a lobe that is cut at the horizon visits
-//                   queries  planes of the picture; threads
-//                   radial, half_angle, zonal, isotropic   the kinds of lobe
-//   pyramid         a picture as a quadtree over two paraboloids
-//   hierarchical    the same sums by descent in the pyramid; walk is the descent, radial, zonal, isotropic
-//                   are the kinds of lobe
-//   directional_basis  matrix radiance transfer: tents over the hemisphere, for outgoing radiance
-//   transfer_products  its precomputation: matrices from what the rays of vertices see
-//   transfer_lighting  its run time: vertices lit through their matrices. Its parts:
-//                   views    where vertices see the eye, in their frames and between samples
-//                   rows     products of rows and light in vectors
-//                   tents, compressed, earlier   the methods
-//   direction_pairs, direction_lanes   many pairs of directions, eight at a time
-//   simd            vectors of the instruction set that a file is compiled for
-//   stream          stores of what is larger than the caches
+// ROOMS, in the order the data flows: what stands in one includes only rooms above it
+//   quadrature    Gauss-Legendre nodes and weights
+//   simd/         the instruction set: vectors of it, for .cpp files only
+//     vectors          vectors of floats
+//     half             maps as half floats
+//     stream           stores of what is larger than the caches
+//     trigonometry     functions of eight angles at once, in float64
+//   pictures/     pictures of the sphere
+//     layouts          directions, positions, solid angles of texels
+//     grid             area-exact conversion from one picture to another
+//     cube             the faces on which maps are stored
+//   sh/           spherical harmonics
+//     legendre         f_lm, the theta part of Y_lm, by recurrence
+//     ring_fourier     the phi part: Fourier transforms of the rings of a picture
+//     analysis         light: from a lat-long picture to coefficients L_lm
+//     synthesis        from coefficients to maps, on a lat-long grid
+//     cube_synthesis   the same on a cube
+//     evaluation       the same at any directions
+//     wigner           small-d recurrences, Clebsch-Gordan
+//     rotation         rotation of coefficients
+//     view_harmonics   the basis of the view at one direction
+//   brdf/         materials
+//     direction_pairs, direction_lanes         many pairs of directions, eight at a time
+//     angle_table, adaptive_parameterization   materials measured in tables
+//     brdf_analysis    the transfer function's coefficients rho_lpq
+//   reflection/   [RH02]: light times material
+//     reflection_map   a map in memory
+//     map_coefficients the product of both: the coefficients of the reflection map's own maps
+//     local_form       the paper's way to the same maps: the local form, rotated texel by texel
+//     radiance         looking a reflection map up, point by point
+//     view_map         all central directions under one view: the dynamic reflection map
+//     explicit_maps    the dynamic maps of many views at once
+//   angular/      direct integration over lobes; shares nothing with sh/ and reflection/, which it judges
+//     angular          what it integrates and how
+//     lanes            sums in the lanes of vectors
+//     profile          a radial profile in lanes, and the innermost loops
+//     texels           the nodes of a picture's texels, and which of them a lobe visits
+//     caps             what a lobe that is cut at the horizon visits
+//     queries          planes of the picture; threads
+//     radial, half_angle, zonal, isotropic   the kinds of lobe
+//   hierarchical/ the same sums by descent in a pyramid, the second judge
+//     pyramid          a picture as a quadtree over two paraboloids
+//     hierarchical     what it integrates and how
+//     walk             the descent itself
+//     radial, zonal, isotropic   the kinds of lobe
+//   transfer/     matrix radiance transfer [LK03]
+//     tent_basis       tents over the hemisphere, for outgoing radiance
+//     products         its precomputation: matrices from what the rays of vertices see
+//     lighting         its run time: vertices lit through their matrices
+//     views            where vertices see the eye, in their frames and between samples
+//     rows             products of rows and light in vectors
+//     tents, compressed, earlier   the methods
 #pragma once
 
 #include <cstddef>

@@ -1,0 +1,45 @@
+// Pairs of directions eight at a time. For .cpp files only: what bindings include must be the same for every
+// instruction set.
+#pragma once
+
+#include <algorithm>
+
+#include "shrm/brdf/direction_pairs.hpp"
+#include "shrm/simd/trigonometry.hpp"
+
+namespace shrm {
+
+inline constexpr std::size_t pair_lanes = 8;
+
+struct d8vec3 {
+    d8 x, y, z;
+};
+
+// Vectors first to first + 7; those past the end repeat the last.
+inline void load(const StridedVectors& vectors, std::size_t count, std::size_t first, d8vec3& w) {
+    for (std::size_t lane = 0; lane < pair_lanes; ++lane) {
+        const double* from =
+            vectors.first + static_cast<std::ptrdiff_t>(std::min(first + lane, count - 1)) * vectors.row;
+        const int i = static_cast<int>(lane);
+        w.x[i] = from[0];
+        w.y[i] = from[vectors.component];
+        w.z[i] = from[2 * vectors.component];
+    }
+}
+
+inline void length(const d8& x, const d8& y, d8& result) {
+    square_root(x * x + y * y, result);
+}
+
+// Calls body(first, lanes) for every eight pairs, the last of them perhaps fewer.
+template <class Body>
+void each_eight(std::size_t count, const Body& body) {
+    const std::ptrdiff_t blocks = static_cast<std::ptrdiff_t>((count + pair_lanes - 1) / pair_lanes);
+#pragma omp parallel for schedule(static) if (blocks > 64)
+    for (std::ptrdiff_t block = 0; block < blocks; ++block) {
+        const std::size_t first = static_cast<std::size_t>(block) * pair_lanes;
+        body(first, std::min(pair_lanes, count - first));
+    }
+}
+
+}  // namespace shrm
