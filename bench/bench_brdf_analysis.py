@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from inputs import relative_rms
 from shrm import brdf
-from shrm.brdf_analysis import analyse
+from shrm.frequency.analysis import analyse
 
 Measured = Callable[..., Any]
 

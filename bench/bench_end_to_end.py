@@ -4,7 +4,8 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from shrm import Environment, brdf, orders, prefilter
+from shrm import Environment, brdf, prefilter
+from shrm.frequency import orders
 
 Measured = Callable[..., Any]
 

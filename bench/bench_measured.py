@@ -14,7 +14,7 @@ from inputs import FloatArray
 from limits import threads
 from processes import found_by
 from shrm import Environment, ImageWarning, ToleranceWarning, brdf, prefilter
-from shrm.reflection_map import ReflectionMap
+from shrm.frequency.reflection_map import ReflectionMap
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))  # the judge of the tests
 import oracles

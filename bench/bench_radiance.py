@@ -17,7 +17,7 @@ Measured = Callable[..., Any]
 @pytest.mark.parametrize("half", [False, True], ids=["float", "half"])
 def bench_dynamic_map(measured: Measured, P: int, half: bool) -> None:
     """Half maps are judged by the float ones: their error is that of rounding the maps."""
-    env, material = Environment.daylight(size=128), brdf.GGX(0.3).recentred("reflection")
+    env, material = Environment.daylight(size=128), brdf.GGX(0.3).recentered("reflection")
     full = prefilter(env, material, orders=(20, P), size=64, layout="cube")
     rm = prefilter(env, material, orders=(20, P), size=64, layout="cube", half=half)
     view = np.array([0.48, 0.6, 0.64])
@@ -37,7 +37,7 @@ def bench_dynamic_map(measured: Measured, P: int, half: bool) -> None:
 @pytest.mark.parametrize("interpolation", ["bilinear", "cubic"])
 @pytest.mark.parametrize("layout", ["latlong", "cube"])
 def bench_radiance(measured: Measured, layout: Any, interpolation: Any) -> None:
-    env, material = Environment.daylight(size=128), brdf.GGX(0.3).recentred("reflection")
+    env, material = Environment.daylight(size=128), brdf.GGX(0.3).recentered("reflection")
     size, texels = (128, 128 * 256) if layout == "latlong" else (64, 6 * 64 * 64)
     rm = prefilter(env, material, orders=(20, 3), size=size, layout=layout)
     N, V = frames(100_000)

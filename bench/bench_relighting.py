@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from inputs import TURN, FloatArray, latlong_directions, relative_rms
 from maps import exact_rows, some_rows
-from shrm import Environment, Prefilter, ReflectionMap, _core, brdf, orders, sh
-from shrm.orders import analysed
-from shrm.prefiltering import windowed
+from shrm import Environment, Prefilter, ReflectionMap, _core, brdf, sh
+from shrm.frequency import orders
+from shrm.frequency.orders import analysed
+from shrm.frequency.prefilter import windowed
 
 Measured = Callable[..., Any]
 
@@ -64,7 +65,7 @@ def bench_new_picture(measured: Measured, center: Any, half: bool) -> None:
 
     measured(
         frame,
-        lambda rm: _error(rm, Environment(last[0].pixels).coefficients(F), brdf.GGX(0.3).recentred(center)),
+        lambda rm: _error(rm, Environment(last[0].pixels).coefficients(F), brdf.GGX(0.3).recentered(center)),
         f"new picture and view, about the {center}{', half maps' if half else ''}, {TO}",
         AFTER_IMAGE,
     )

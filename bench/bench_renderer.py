@@ -10,7 +10,7 @@ from inputs import TURN, relative_rms
 from shrm import Environment, Prefilter, ReflectionMap, brdf
 from shrm.render import Camera, Object, Sphere, render, row_camera
 from shrm.viewer import ContextError, Renderer, Scene
-from shrm.viewer.maps import LobeMaps
+from shrm.viewer.gpu.maps import LobeMaps
 
 Measured = Callable[..., Any]
 

@@ -9,7 +9,7 @@ import pytest
 from inputs import coefficients, relative_rms
 from maps import exact_rows, product, some_rows
 from shrm import _core, sh
-from shrm.rings import BORDER
+from shrm.frequency.rings import BORDER
 
 Measured = Callable[..., Any]
 

@@ -91,7 +91,7 @@ def parsed(printed: str) -> dict[int, Times]:
 def ours() -> Times:
     """Measure with the threads that OpenMP was started with."""
     from shrm import _core, sh
-    from shrm.rings import BORDER, empty_halves
+    from shrm.frequency.rings import BORDER, empty_halves
 
     clock = time.thread_time if os.environ["OMP_NUM_THREADS"] == "1" else time.perf_counter
     found: Times = {}

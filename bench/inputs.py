@@ -33,7 +33,7 @@ def frames(n: int) -> tuple[FloatArray, FloatArray]:
 
 
 def latlong_directions(H: int, W: int) -> FloatArray:
-    """Texel centres (H, W, 3)."""
+    """Texel centers (H, W, 3)."""
     theta = (np.arange(H)[:, None] + 0.5) * np.pi / H
     phi = np.pi - 2 * np.pi * (np.arange(W) + 0.5) / W
     z = np.broadcast_to(np.cos(theta), (H, W))

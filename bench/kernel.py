@@ -20,7 +20,7 @@ from counts import Work
 from inputs import coefficients, texels
 from limits import least_seconds, limits, threads
 from shrm import _core, sh
-from shrm.rings import BORDER, empty_halves
+from shrm.frequency.rings import BORDER, empty_halves
 
 SECONDS = 3.0
 H, N, F, P = 512, 64, 30, 3

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 from inputs import FloatArray, coefficients, latlong_directions
-from shrm import _core, brdf, orders
-from shrm.rings import BORDER
+from shrm import _core, brdf
+from shrm.frequency import orders
+from shrm.frequency.rings import BORDER
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Product:
 def product(F: int, P: int) -> Product:
     """A material's product with light of a natural spectrum."""
     light = coefficients(F)
-    rho = orders.analysed(brdf.GGX(0.2).recentred("reflection"), F, P)[0].coefficients(F, P)
+    rho = orders.analysed(brdf.GGX(0.2).recentered("reflection"), F, P)[0].coefficients(F, P)
     rho = np.ascontiguousarray(np.broadcast_to(rho, (*rho.shape[:3], 3)))
     return Product(F, P, light, rho, _core.global_coefficients(light=light, rho=rho))
 

@@ -24,8 +24,8 @@ from counts import Work
 from inputs import relative_rms
 from limits import threads
 from shrm import sh
-from shrm.directional_basis import DirectionalBasis
-from shrm.tangent_frames import band_rotations
+from shrm.transfer.directional_basis import DirectionalBasis
+from shrm.transfer.tangent_frames import band_rotations
 from shrm.transfer.lighting import (
     Compressed,
     Convolution,

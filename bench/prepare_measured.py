@@ -10,7 +10,8 @@ import sys
 import time
 
 from precompute_transfer import most_memory
-from shrm import brdf, orders
+from shrm import brdf
+from shrm.frequency import orders
 
 ORDERS = (30, 5)
 

@@ -1,5 +1,6 @@
 """Fixtures: a small environment in a file, the command in this process, a display, windows."""
 
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -10,6 +11,12 @@ from shrm.cli import main
 from shrm.image_io import write_image
 
 Array = npt.NDArray[np.floating]
+
+
+# Processes that tests start find `support` too.
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    filter(None, [str(Path(__file__).parent), os.environ.get("PYTHONPATH")])
+)
 
 
 @pytest.fixture(scope="session")
@@ -43,7 +50,7 @@ def shrm(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, st
 @pytest.fixture(scope="module")
 def screen() -> Iterator[None]:
     """A display."""
-    from window_driver import display
+    from support.window_driver import display
 
     with display():
         yield
@@ -53,8 +60,8 @@ def screen() -> Iterator[None]:
 def opened(
     screen: None, sky: Path, tmp_path: Path, request: pytest.FixtureRequest
 ) -> Iterator[Callable[..., object]]:
-    """Open windows; see `window_driver.windows`."""
-    from window_driver import windows
+    """Open windows; see `support.window_driver.windows`."""
+    from support.window_driver import windows
 
     with windows(sky, tmp_path, request.node.name) as opened:
         yield opened

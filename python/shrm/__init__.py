@@ -13,15 +13,17 @@ The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `
 `directional_basis`, `brdf_matrix`, `tangent_frames`, `transfer`, `render`.
 """
 
-from shrm import brdf, explicit, orders, prefiltered, sh, transfer
+from shrm import brdf, prefiltered, sh, transfer
 from shrm.environment import Environment
-from shrm.hierarchical import prefilter_hierarchical
+from shrm.frequency import orders
+from shrm.frequency.orders import ToleranceWarning
+from shrm.frequency.reflection_map import ReflectionMap
+from shrm.frequency.relight import Prefilter
 from shrm.image_io import ImageError, ImageWarning
-from shrm.methods import prefilter
-from shrm.orders import ToleranceWarning
-from shrm.reference import prefilter_angular
-from shrm.reflection_map import ReflectionMap
-from shrm.relighting import Prefilter
+from shrm.integrate.angular import prefilter_angular
+from shrm.integrate.hierarchical import prefilter_hierarchical
+from shrm.methods.auto import prefilter
+from shrm.prefiltered import explicit
 
 __version__ = "0.1.0"
 

@@ -3,7 +3,7 @@
 References
 ----------
 .. [SMPTE177] SMPTE RP 177, Derivation of Basic Television Color Equations, 1993.
-.. [Lam85] K. M. Lam. Metamerism and Colour Constancy. PhD thesis, Bradford, 1985 (the "Bradford" matrix).
+.. [Lam85] K. M. Lam. Metamerism and Color Constancy. PhD thesis, Bradford, 1985 (the "Bradford" matrix).
 .. [BT709] ITU-R Recommendation BT.709-6, 2015.
 """
 
@@ -12,9 +12,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-Matrix = npt.NDArray[np.float64]
+from shrm.arrays import Float32Array, FloatArray
 
 # x, y of red, green, blue and white, as in OpenEXR's attribute `chromaticities` [BT709].
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
@@ -24,11 +23,11 @@ _BRADFORD = np.array(
 )  # [Lam85]
 
 
-def _xyz(x: float, y: float) -> npt.NDArray[np.float64]:
+def _xyz(x: float, y: float) -> FloatArray:
     return np.array([x / y, 1.0, (1.0 - x - y) / y])
 
 
-def xyz_from_rgb(chromaticities: Sequence[float]) -> Matrix:
+def xyz_from_rgb(chromaticities: Sequence[float]) -> FloatArray:
     """Return the (3, 3) matrix to CIE XYZ of the RGB space with these primaries and white [SMPTE177].
 
     Parameters
@@ -52,7 +51,7 @@ def xyz_from_rgb(chromaticities: Sequence[float]) -> Matrix:
     return np.asarray(primaries * np.linalg.solve(primaries, _xyz(c[6], c[7])), dtype=np.float64)
 
 
-def rec709_from_rgb(chromaticities: Sequence[float]) -> Matrix:
+def rec709_from_rgb(chromaticities: Sequence[float]) -> FloatArray:
     """Return the (3, 3) matrix from a linear RGB space to linear Rec. 709.
 
     White goes to white: other white points are adapted by the Bradford transform [Lam85].
@@ -63,12 +62,12 @@ def rec709_from_rgb(chromaticities: Sequence[float]) -> Matrix:
     return np.asarray(np.linalg.solve(xyz_from_rgb(REC709), adapt @ to_xyz), dtype=np.float64)
 
 
-def rec709_from_xyz() -> Matrix:
+def rec709_from_xyz() -> FloatArray:
     """Return the (3, 3) matrix from CIE XYZ to linear Rec. 709."""
     return np.asarray(np.linalg.inv(xyz_from_rgb(REC709)), dtype=np.float64)
 
 
-def linear_from_srgb(encoded: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+def linear_from_srgb(encoded: Float32Array) -> Float32Array:
     """Decode sRGB values in [0, 1] to linear light (IEC 61966-2-1)."""
     low = encoded / np.float32(12.92)
     high = ((np.maximum(encoded, 0) + np.float32(0.055)) / np.float32(1.055)) ** np.float32(2.4)

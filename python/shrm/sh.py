@@ -2,7 +2,7 @@
 
 Coefficients are in the real orthonormal basis, index l(l+1)+m: sqrt2 Re Y_lm for m > 0, Y_l0, sqrt2 Im
 Y_l|m| for m < 0, with the Condon-Shortley phase; one column for each channel. Pictures are lat-long, row 0
-at +z, the centre looking along +x, nothing mirrored when seen from inside.
+at +z, the center looking along +x, nothing mirrored when seen from inside.
 
 Everything is separable: F-degree coefficients of an S x 2S picture take O(F S^2) operations [RH02 section
 6.1].
@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
+from shrm.arrays import Float32Array, FloatArray
 from shrm.validation import real_array, require_array, rotation, unit_vectors, whole_number
 
 __all__ = ["MAX_DEGREE", "Plan", "analysis", "basis_size", "degree_of", "evaluate", "rotate", "synthesis"]
@@ -27,11 +28,9 @@ __all__ = ["MAX_DEGREE", "Plan", "analysis", "basis_size", "degree_of", "evaluat
 MAX_DEGREE = 1000
 """Degrees above this are refused; recurrences are checked to it."""
 
-FloatArray = npt.NDArray[np.float64]
-
 
 def analysis(pixels: npt.ArrayLike, F: int) -> FloatArray:
-    """Transform samples at the texel centres to coefficients.
+    """Transform samples at the texel centers to coefficients.
 
     The quadrature is Fejer's first rule: exact, and the inverse of `synthesis`, for functions of degree D
     <= F if D + F < H and D + F < W. For a *picture*, whose texels are areas, see
@@ -56,8 +55,8 @@ def analysis(pixels: npt.ArrayLike, F: int) -> FloatArray:
     return _core.analysis(pixels=_picture(pixels), F=whole_number("F", F, 0, MAX_DEGREE), areas=False)
 
 
-def synthesis(coefficients: npt.ArrayLike, H: int, W: int) -> npt.NDArray[np.float32]:
-    """Evaluate coefficients at the texel centres of a lat-long picture.
+def synthesis(coefficients: npt.ArrayLike, H: int, W: int) -> Float32Array:
+    """Evaluate coefficients at the texel centers of a lat-long picture.
 
     Parameters
     ----------
@@ -145,7 +144,7 @@ class Plan:
     channels : int
         Channels of the pictures, 1 to 4096.
     areas : bool
-        Whether texels are areas, as in `Environment.coefficients`, or samples at their centres, as in
+        Whether texels are areas, as in `Environment.coefficients`, or samples at their centers, as in
         `analysis`.
 
     Raises
@@ -171,7 +170,7 @@ class Plan:
             raise TypeError(f"areas must be True or False, got {areas!r}")
         self.areas = areas
 
-    def analysis(self, pixels: npt.NDArray[np.float32], out: FloatArray | None = None) -> FloatArray:
+    def analysis(self, pixels: Float32Array, out: FloatArray | None = None) -> FloatArray:
         """Return the coefficients of a picture.
 
         Parameters
@@ -203,10 +202,8 @@ class Plan:
             raise ValueError(f"pixels must {reason}")
         return out
 
-    def synthesis(
-        self, coefficients: FloatArray, out: npt.NDArray[np.float32] | None = None
-    ) -> npt.NDArray[np.float32]:
-        """Return the values at the texel centres, ring by ring and planar.
+    def synthesis(self, coefficients: FloatArray, out: Float32Array | None = None) -> Float32Array:
+        """Return the values at the texel centers, ring by ring and planar.
 
         Parameters
         ----------
@@ -257,7 +254,7 @@ def degree_of(coefficients: npt.NDArray[np.generic]) -> int:
     return F
 
 
-def _picture(pixels: npt.ArrayLike) -> npt.NDArray[np.float32]:
+def _picture(pixels: npt.ArrayLike) -> Float32Array:
     # Large pictures of float32 are not taken through float64.
     is_float32 = type(pixels) is np.ndarray and pixels.dtype == np.float32
     array = np.asarray(pixels) if is_float32 and np.isfinite(pixels).all() else real_array("pixels", pixels)

@@ -9,7 +9,8 @@ from numbers import Integral, Real
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from shrm.arrays import FloatArray
+
 RGB = tuple[float, float, float]
 
 

@@ -7,11 +7,11 @@ function of (wi, wo).
     lobe          the lobes and the material; start here
     lambert       about the normal
     phong         about the reflection
-    microfacet    lafortune    ggx    beckmann    tabulated    about the lobe centre
+    microfacet    lafortune    ggx    beckmann    tabulated    about the lobe center
     miller_heidrich                                            about normal and reflection
     kajiya_kay    banks                                        about the tangent
     ashikhmin_shirley    anisotropic_ggx                       anisotropic: for matrix radiance transfer
-    abc_model    sgd                                            about the lobe centre: those of published
+    abc_model    sgd                                            about the lobe center: those of published
     fits                                                        fits to measured materials, by name
     measured/     from files of measurements
     function      from a Python function, about any of them
@@ -20,17 +20,7 @@ function of (wi, wo).
 """
 
 from shrm.brdf import fits
-from shrm.brdf.abc_model import ABC
 from shrm.brdf.albedo import directional_albedo
-from shrm.brdf.anisotropic_ggx import AnisotropicGGX
-from shrm.brdf.ashikhmin_shirley import AshikhminShirley
-from shrm.brdf.banks import Banks
-from shrm.brdf.beckmann import Beckmann
-from shrm.brdf.function import from_function
-from shrm.brdf.ggx import GGX
-from shrm.brdf.kajiya_kay import KajiyaKay
-from shrm.brdf.lafortune import Lafortune
-from shrm.brdf.lambert import Lambert
 from shrm.brdf.lobe import (
     BRDF,
     AnisotropicLobe,
@@ -42,12 +32,22 @@ from shrm.brdf.lobe import (
     ZonalLobe,
 )
 from shrm.brdf.measured import Measured, MeasurementError, load
-from shrm.brdf.microfacet import Microfacet
-from shrm.brdf.miller_heidrich import MillerHeidrich
+from shrm.brdf.models.abc_model import ABC
+from shrm.brdf.models.anisotropic_ggx import AnisotropicGGX
+from shrm.brdf.models.ashikhmin_shirley import AshikhminShirley
+from shrm.brdf.models.banks import Banks
+from shrm.brdf.models.beckmann import Beckmann
+from shrm.brdf.models.function import from_function
+from shrm.brdf.models.ggx import GGX
+from shrm.brdf.models.kajiya_kay import KajiyaKay
+from shrm.brdf.models.lafortune import Lafortune
+from shrm.brdf.models.lambert import Lambert
+from shrm.brdf.models.microfacet import Microfacet
+from shrm.brdf.models.miller_heidrich import MillerHeidrich
+from shrm.brdf.models.phong import Phong
+from shrm.brdf.models.sgd import SGD
+from shrm.brdf.models.tabulated import Tabulated
 from shrm.brdf.parse import filled, parse
-from shrm.brdf.phong import Phong
-from shrm.brdf.sgd import SGD
-from shrm.brdf.tabulated import Tabulated
 
 __all__ = [
     "ABC",

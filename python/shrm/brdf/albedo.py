@@ -27,7 +27,8 @@ from functools import cache, partial
 import numpy as np
 import numpy.typing as npt
 
-from shrm.brdf.lobe import BRDF, AnisotropicLobe, FloatArray, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
+from shrm.arrays import FloatArray
+from shrm.brdf.lobe import BRDF, AnisotropicLobe, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
 from shrm.validation import number, real_array
 
 # Panels halve this often: the smallest, pi / 2^22, is below the narrowest lobe allowed.

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
-from shrm.brdf.lobe import FloatArray
+from shrm.arrays import FloatArray, IntArray
 
 Axes = Literal["angles", "half-angle"]
 
@@ -36,8 +36,8 @@ class AngleTable:
     axes : {"angles", "half-angle"}
         What the angles are.
     nodes : {"ends", "centers"}
-        Whether the first and last nodes lie on the ends of the interval, or the nodes are the centres of n
-        even bins; beyond the outer centres their values hold.
+        Whether the first and last nodes lie on the ends of the interval, or the nodes are the centers of n
+        even bins; beyond the outer centers their values hold.
     warp : {"uniform", "square-root"}
         What the first angle's nodes are even in: the angle, or its square root as in MERL's tables, which
         gathers them about the normal.
@@ -62,7 +62,7 @@ class AngleTable:
         """
         return _core.interpolate_angles(table=self.values, **self._grid, wi=wi, wo=wo)
 
-    def nearest(self, wi: FloatArray, wo: FloatArray) -> npt.NDArray[np.int64]:
+    def nearest(self, wi: FloatArray, wo: FloatArray) -> IntArray:
         """Return the index of the nearest node, (n,), into an array (n1 n2 n3,)."""
         return _core.nearest_angles(shape=self.values.shape[:3], **self._grid, wi=wi, wo=wo)
 

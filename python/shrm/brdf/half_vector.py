@@ -10,9 +10,8 @@ C. Schlick. An Inexpensive BRDF Model for Physically-Based Rendering. CGF 13(3),
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from shrm.brdf.lobe import FloatArray
+from shrm.arrays import BoolArray, FloatArray
 from shrm.validation import RGB
 
 
@@ -63,6 +62,6 @@ def schlick(f0: float | RGB, cos_d: FloatArray) -> FloatArray:
     return f0 + (1.0 - f0) * rest
 
 
-def above_horizon(wi: FloatArray, wo: FloatArray) -> npt.NDArray[np.bool_]:
+def above_horizon(wi: FloatArray, wo: FloatArray) -> BoolArray:
     """True where light reaches the eye from above the surface: N.L > 0 and N.V >= 0."""
     return (wi[:, 2] > 0.0) & (wo[:, 2] >= 0.0)

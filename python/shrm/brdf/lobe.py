@@ -19,7 +19,7 @@ The central direction, with theta_v the angle between N and V [RH02 sec. 3.1]:
     "lobe"          C in the plane of N and V, at the energy-weighted mean direction of the lobe
     "tangent"       C = T
 
-A *material* (`BRDF`) is a sum of lobes, each with its own centre.
+A *material* (`BRDF`) is a sum of lobes, each with its own center.
 
 References
 ----------
@@ -37,10 +37,10 @@ from typing import ClassVar, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from shrm.arrays import FloatArray
 from shrm.brdf import parameters
 from shrm.validation import RGB, number_or_rgb, one_of, unit_vectors
 
-FloatArray = npt.NDArray[np.float64]
 Center = Literal["lobe", "reflection", "normal", "tangent"]
 Frame = Literal["normal", "tangent"]
 Kind = Literal["radial", "zonal", "isotropic", "anisotropic"]
@@ -228,12 +228,12 @@ def refuse_anisotropic(lobe: object) -> None:
     if getattr(lobe, "kind", None) == "anisotropic":
         raise ValueError(
             "an anisotropic lobe depends on the azimuths of light and view each, and a reflection map over "
-            "two or three dimensions cannot hold that: use matrix radiance transfer (shrm.brdf_matrix)"
+            "two or three dimensions cannot hold that: use matrix radiance transfer (shrm.transfer)"
         )
 
 
 class BRDF(ABC):
-    """A material: a sum of lobes, each with its own centre.
+    """A material: a sum of lobes, each with its own center.
 
     `a + b` is the material that reflects what both reflect; `0.5 * a` and `(1, 0.5, 0.2) * a`
     scale it, per channel where three numbers are given. Factors are at least 0.
@@ -303,15 +303,15 @@ class BRDF(ABC):
         self.frame  # noqa: B018  (refuses lobes that share no frame)
         return _sum_of_transfers(self.lobes, directions_i, directions_o)
 
-    def recentred(self, center: Center, *, merge: bool = False) -> BRDF:
-        """Return the same material with its lobes about another centre.
+    def recentered(self, center: Center, *, merge: bool = False) -> BRDF:
+        """Return the same material with its lobes about another center.
 
-        Lobes that are exactly symmetric (radial) about their own centre keep it, unless they are merged.
+        Lobes that are exactly symmetric (radial) about their own center keep it, unless they are merged.
 
         Parameters
         ----------
         center : {"lobe", "reflection", "normal"}
-            The new centre of the isotropic lobes. ("tangent" leaves a material about the tangent
+            The new center of the isotropic lobes. ("tangent" leaves a material about the tangent
             as it is.)
         merge : bool
             Put everything, a diffuse lobe included, into one isotropic lobe about `center`; with
@@ -324,8 +324,8 @@ class BRDF(ABC):
         """
         one_of("center", center, get_args(Center))
         if _does_not_change(self):
-            return _kept_recentred(self, center, bool(merge))
-        return _recentred(self, center, bool(merge))
+            return _kept_recentered(self, center, bool(merge))
+        return _recentered(self, center, bool(merge))
 
     def __add__(self, other: object) -> BRDF:
         if not isinstance(other, BRDF):
@@ -350,7 +350,7 @@ class BRDF(ABC):
 
 
 class Material(BRDF):
-    """A material given by its lobes: what sums, products and `recentred` return.
+    """A material given by its lobes: what sums, products and `recentered` return.
 
     Parameters
     ----------
@@ -389,13 +389,13 @@ def _does_not_change(material: BRDF) -> bool:
     return True
 
 
-def _recentred(material: BRDF, center: Center, merge: bool) -> BRDF:
-    """See `BRDF.recentred`."""
+def _recentered(material: BRDF, center: Center, merge: bool) -> BRDF:
+    """See `BRDF.recentered`."""
     wanted = "tangent" if center == "tangent" else "normal"
     if any(lobe.frame != wanted for lobe in material.lobes):
         raise ValueError(
-            f"{material.name} cannot be centred on the {_CENTER_TEXT[center]}: a lobe about the tangent has "
-            "no normal, and a lobe about the normal, the reflection or the lobe centre depends on it"
+            f"{material.name} cannot be centered on the {_CENTER_TEXT[center]}: a lobe about the tangent has "
+            "no normal, and a lobe about the normal, the reflection or the lobe center depends on it"
         )
     if not merge:
         moved = (
@@ -417,9 +417,9 @@ def _recentred(material: BRDF, center: Center, merge: bool) -> BRDF:
 
 
 # Equal materials give the same one, so that what is kept for it is found again.
-_kept_recentred = lru_cache(maxsize=64)(_recentred)
+_kept_recentered = lru_cache(maxsize=64)(_recentered)
 
-_CENTER_TEXT = {"lobe": "lobe centre", "reflection": "reflection", "normal": "normal", "tangent": "tangent"}
+_CENTER_TEXT = {"lobe": "lobe center", "reflection": "reflection", "normal": "normal", "tangent": "tangent"}
 
 
 def _has_no_horizon(lobe: Lobe) -> bool:

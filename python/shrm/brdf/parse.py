@@ -27,21 +27,21 @@ from pathlib import Path
 from typing import NamedTuple
 
 from shrm.brdf import fits
-from shrm.brdf.abc_model import ABC
-from shrm.brdf.anisotropic_ggx import AnisotropicGGX
-from shrm.brdf.ashikhmin_shirley import AshikhminShirley
-from shrm.brdf.banks import Banks
-from shrm.brdf.beckmann import Beckmann
-from shrm.brdf.ggx import GGX
-from shrm.brdf.kajiya_kay import KajiyaKay
-from shrm.brdf.lafortune import Lafortune
-from shrm.brdf.lambert import Lambert
 from shrm.brdf.lobe import BRDF
 from shrm.brdf.measured import Extrapolate, load
-from shrm.brdf.microfacet import Microfacet
-from shrm.brdf.miller_heidrich import MillerHeidrich
-from shrm.brdf.phong import Phong
-from shrm.brdf.sgd import SGD
+from shrm.brdf.models.abc_model import ABC
+from shrm.brdf.models.anisotropic_ggx import AnisotropicGGX
+from shrm.brdf.models.ashikhmin_shirley import AshikhminShirley
+from shrm.brdf.models.banks import Banks
+from shrm.brdf.models.beckmann import Beckmann
+from shrm.brdf.models.ggx import GGX
+from shrm.brdf.models.kajiya_kay import KajiyaKay
+from shrm.brdf.models.lafortune import Lafortune
+from shrm.brdf.models.lambert import Lambert
+from shrm.brdf.models.microfacet import Microfacet
+from shrm.brdf.models.miller_heidrich import MillerHeidrich
+from shrm.brdf.models.phong import Phong
+from shrm.brdf.models.sgd import SGD
 from shrm.validation import RGB
 
 MODELS: Mapping[str, type[BRDF]] = {

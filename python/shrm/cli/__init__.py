@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from shrm.cli import convert, demo, info, prefilter, render, reproduce, transfer, view
 from shrm.cli.console import warnings_as_lines
-from shrm.faults import one_line
+from shrm.files import one_line
 
 COMMANDS = (demo, info, convert, prefilter, transfer, render, view, reproduce)
 

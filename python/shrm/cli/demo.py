@@ -32,7 +32,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Make the folder and print the table."""
-    from shrm.demo import make_demo
+    from shrm.cli.demonstration import make_demo
 
     with progress("Prefiltering and drawing") as report:
         rows = make_demo(options.output, options.size, report)

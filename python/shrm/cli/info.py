@@ -98,14 +98,14 @@ def is_measured(path: str) -> bool:
 def plot(path: Path, brdf: BRDF, env: Environment | None, env_name: str) -> None:
     """Write the picture of a material."""
     from shrm.environment import Environment
-    from shrm.material_figure import material_figure
-    from shrm.reproduce.result import write_whole
+    from shrm.files import write_bytes
+    from shrm.render.material_figure import material_figure
 
     with progress("Drawing the material"):
         light = Environment.daylight(sun_azimuth=DAYLIGHT_AZIMUTH) if env is None else env
         drawn = io.BytesIO()
         material_figure(brdf, light, env_name).savefig(drawn, format="png", dpi=110)
-        write_whole(path, drawn.getvalue())
+        write_bytes(path, drawn.getvalue())
     print(path)
 
 
@@ -121,7 +121,7 @@ def is_reflection_map(path: str) -> bool:
 
 def map_lines(path: str) -> list[str]:
     """What a reflection map holds, a line for each fact."""
-    from shrm.reflection_map import ReflectionMap
+    from shrm.frequency.reflection_map import ReflectionMap
 
     rm = ReflectionMap.load(path)
     lines = [
@@ -207,8 +207,8 @@ def material_lines(brdf: BRDF) -> list[str]:
     """What a material is made of, a line for each fact."""
     import numpy as np
 
-    from shrm import orders
     from shrm.brdf import Material, Measured, directional_albedo
+    from shrm.frequency import orders
 
     measured = measured_lines(brdf) if isinstance(brdf, Measured) else []
     angles = (0, 30, 60, 80)
@@ -243,7 +243,7 @@ def measured_lines(brdf: Measured) -> list[str]:
     """What is to be known of measurements, a line for each fact."""
     import numpy as np
 
-    from shrm.measurement_quality import quality
+    from shrm.lobes.measurement_quality import quality
 
     found = quality(brdf)
     largest, view = found.largest_albedo

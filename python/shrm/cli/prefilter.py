@@ -48,7 +48,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--center",
         choices=("lobe", "reflection", "normal"),
         help="direction that lobes are expanded about: the lobe's mean, the reflected view (as in the paper),"
-        " or the normal (default: what suits the material; lobes symmetric about their own centre keep it)",
+        " or the normal (default: what suits the material; lobes symmetric about their own center keep it)",
     )
     command.add_argument(
         "--criterion",
@@ -79,8 +79,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read, prefilter, save."""
-    from shrm.orders import F_MAX, P_MAX
-    from shrm.prefiltering import prefilter
+    from shrm.frequency.orders import F_MAX, P_MAX
+    from shrm.frequency.prefilter import prefilter
 
     if options.max_orders is not None and options.orders is not None:
         raise argparse.ArgumentError(None, "argument --max-orders: not allowed with argument --orders")
@@ -127,7 +127,7 @@ def _explicit(options: argparse.Namespace, env: Environment, brdf: BRDF) -> None
     if given:
         flag = f"--{given[0].replace('_', '-')}"
         raise argparse.ArgumentError(None, f"argument --technique: not allowed with argument {flag}")
-    material = brdf if options.center is None else brdf.recentred(options.center)
+    material = brdf if options.center is None else brdf.recentered(options.center)
     start = time.perf_counter()
     with progress(f"Prefiltering with {brdf.name}"):
         found = prefilter(

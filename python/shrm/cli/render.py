@@ -42,11 +42,11 @@ from shrm.cli.stage import GPU_MAP_SIZE, Stage
 
 if TYPE_CHECKING:
     from shrm.brdf import BRDF
+    from shrm.frequency.reflection_map import ReflectionMap
+    from shrm.frequency.relight import Prefilter
     from shrm.prefiltered import Prefiltered
-    from shrm.reflection_map import ReflectionMap
-    from shrm.relighting import Prefilter
     from shrm.render import Camera, Object, Reflection
-    from shrm.render.camera import FloatArray
+from shrm.arrays import FloatArray
 
 EXAMPLE = "shrm render --env grace.hdr --brdf lambert:0.8 --brdf ggx:0.1 --mesh bunny.ply -o bunnies.png"
 
@@ -224,12 +224,12 @@ class MaterialStage(Stage):
     def _prefiltered(self, material: BRDF | ReflectionMap | Prefiltered) -> Prefilter | Reflection:
         """Prefilter by the method that the options name, so that the light can be turned if it is to be."""
         from shrm.brdf import BRDF
-        from shrm.hierarchical import prefilter_hierarchical
-        from shrm.orders import F_MAX, P_MAX
+        from shrm.frequency.orders import F_MAX, P_MAX
+        from shrm.frequency.prefilter import prefilter
+        from shrm.frequency.relight import Prefilter
+        from shrm.integrate.angular import prefilter_angular
+        from shrm.integrate.hierarchical import prefilter_hierarchical
         from shrm.prefiltered import prefilter as prefilter_explicit
-        from shrm.prefiltering import prefilter
-        from shrm.reference import prefilter_angular
-        from shrm.relighting import Prefilter
 
         if not isinstance(material, BRDF):
             return material
@@ -265,7 +265,7 @@ class MaterialStage(Stage):
 
     def objects(self, rotation: FloatArray, camera: Camera) -> list[Object]:
         """Return them; those of one light alone cannot be turned."""
-        from shrm.relighting import Prefilter
+        from shrm.frequency.relight import Prefilter
         from shrm.render import Object
 
         maps = [
@@ -288,8 +288,8 @@ FRAMES = 120
 def saved(path: str) -> ReflectionMap | Prefiltered:
     """Read maps that `shrm prefilter` wrote."""
     from shrm import image_io
+    from shrm.frequency.reflection_map import ReflectionMap
     from shrm.prefiltered import Prefiltered
-    from shrm.reflection_map import ReflectionMap
 
     first = image_io.read_parts(path)[0].metadata
     return Prefiltered.load(path) if "shrm:prefiltered" in first else ReflectionMap.load(path)

@@ -1,7 +1,7 @@
 """Make the tables and figures of the paper again, its own figures beside ours.
 
-Writes NAME.csv, NAME.md and NAME.png for each, and index.md, which joins them. Needs no file; figure-1
-and the measured materials of figure-8 need a folder of them.
+Writes NAME.csv, NAME.md and NAME.png for each, and index.md, which joins them. Needs no file; rh02-figure-1
+and the measured materials of rh02-figure-8 need a folder of them.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from pathlib import Path
 from shrm.cli.console import progress
 from shrm.cli.options import add_environment, read_environment
 
-EXAMPLE = "shrm reproduce table-4 figure-6 --env grace.hdr -o reproduced"
+EXAMPLE = "shrm reproduce rh02-table-4 rh02-figure-6 --env grace.hdr -o reproduced"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    from shrm.reproduce import names
+    from shrm_papers import names
 
     known = ", ".join(names())
 
@@ -34,7 +34,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--data",
         type=Path,
         metavar="DIR",
-        help="folder with files of measured materials in brdf/ for figure-8, and for figure-1, told by their "
+        help="folder with files of measured materials in brdf/ for rh02-figure-8, and for rh02-figure-1, "
+        "told by their "
         "names: krylon, golden_yellow there, grace, stpeters, uffizi, rnl in env/, armadillo in mesh/",
     )
     command.add_argument(
@@ -47,7 +48,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--mesh",
         type=Path,
         metavar="FILE",
-        help="mesh for figure-1, for kautz-figure-6, such as a teapot, and for the results of lk-",
+        help="mesh for rh02-figure-1, for kvhs00-figure-6, such as a teapot, and for the results of lk03-",
     )
     command.add_argument(
         "--quick", action="store_true", help="fewer rows and samples: to see that everything runs"
@@ -64,8 +65,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Make each result, write it, then the index of all."""
-    from shrm.reproduce import Settings, make, names
-    from shrm.reproduce.index import write_index
+    from shrm_papers import Settings, make, names
+    from shrm_papers.index import write_index
 
     for folder in (options.data, options.fits):
         if folder is not None and not folder.is_dir():

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from shrm.cli.options import read_environment
 
 if TYPE_CHECKING:
+    from shrm.arrays import FloatArray
     from shrm.render import Camera, Object, Picture
-    from shrm.render.camera import FloatArray
     from shrm.viewer import Renderer
 
 GPU_MAP_SIZE = 128

@@ -12,6 +12,7 @@ import os
 import time
 from typing import TYPE_CHECKING
 
+from shrm.arrays import FloatArray
 from shrm.cli.console import stages
 from shrm.cli.options import (
     add_extrapolate,
@@ -25,9 +26,6 @@ from shrm.cli.options import (
 )
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
     from shrm.render import Mesh
     from shrm.transfer import Path as Way
     from shrm.transfer import RadianceTransfer
@@ -158,14 +156,14 @@ def _variants(options: argparse.Namespace) -> list[str]:
     return names
 
 
-def _shares(mask: str, mesh: Mesh) -> npt.NDArray[np.float64]:
+def _shares(mask: str, mesh: Mesh) -> FloatArray:
     """The shares (V, 2) of two materials at the vertices, from the mean of a picture's channels."""
     import numpy as np
 
     from shrm import image_io
 
-    colours = mesh.texture_at_vertices(image_io.read_image(mask).pixels)
-    second = np.clip(colours[:, :3].mean(axis=1, dtype=np.float64), 0, 1)
+    colors = mesh.texture_at_vertices(image_io.read_image(mask).pixels)
+    second = np.clip(colors[:, :3].mean(axis=1, dtype=np.float64), 0, 1)
     return np.stack([1 - second, second], axis=1)
 
 

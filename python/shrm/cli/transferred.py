@@ -11,8 +11,8 @@ from shrm.cli.options import flag
 from shrm.cli.stage import Stage
 
 if TYPE_CHECKING:
+    from shrm.arrays import FloatArray
     from shrm.render import Camera, Object
-    from shrm.render.camera import FloatArray
     from shrm.transfer.lighting import Lighting
     from shrm.transfer.object import RadianceTransfer
 

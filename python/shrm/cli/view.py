@@ -31,7 +31,7 @@ from shrm.cli.options import (
 from shrm.cli.transferred import opened
 
 if TYPE_CHECKING:
-    from shrm.viewer.state import State
+    from shrm.viewer.window.state import State
 
 EXAMPLE = (
     "shrm view grace.hdr --brdf ggx:0.3,1.0/0.71/0.29 --mesh bunny.ply"
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> None:
     first = state(options)
     if first.transfer is not None:  # what is wrong with it is said without a window
         opened(first.transfer, options, [options.variant])
-    from shrm.viewer.app import Application
+    from shrm.viewer.window.app import Application
 
     application = Application(first, *options.size, state_file=options.state and Path(options.state))
     try:
@@ -99,7 +99,7 @@ def state(options: argparse.Namespace) -> State:
     from dataclasses import replace
     from pathlib import Path
 
-    from shrm.viewer.state import State
+    from shrm.viewer.window.state import State
 
     saved = options.state is not None and Path(options.state).exists()
     first = State.load(options.state) if saved else State()

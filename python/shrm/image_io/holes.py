@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-from shrm.image_io.image import ImageError, PathLike, Pixels, warn
+from shrm.arrays import BoolArray, Float32Array
+from shrm.image_io.image import ImageError, PathLike, warn
 
 
-def finite(path: PathLike, pixels: Pixels, repair: bool) -> Pixels:
+def finite(path: PathLike, pixels: Float32Array, repair: bool) -> Float32Array:
     """Refuse, or repair with a warning, texels that are NaN or infinite."""
-    bad: npt.NDArray[np.bool_] = np.logical_not(np.isfinite(pixels).all(axis=2))
+    bad: BoolArray = np.logical_not(np.isfinite(pixels).all(axis=2))
     count = int(np.count_nonzero(bad))
     if not count:
         return pixels

@@ -8,12 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
+from shrm.arrays import Float32Array
 
 PathLike = str | os.PathLike[str]
 Metadata = Mapping[str, str | int | float | Sequence[float]]
-Pixels = npt.NDArray[np.float32]
 
 DEFAULT_MAX_BYTES = 2 << 30
 
@@ -40,7 +38,7 @@ class Image:
         ``"openexr-latlong"`` or ``"openexr-cube"`` where the file says so by OpenEXR's `envmap` attribute.
     """
 
-    pixels: Pixels
+    pixels: Float32Array
     metadata: dict[str, Any] = field(default_factory=dict)
     layout: str | None = None
 
@@ -62,7 +60,7 @@ class Part:
     """
 
     name: str
-    pixels: Pixels
+    pixels: Float32Array
     channels: Sequence[str]
     metadata: Metadata = field(default_factory=dict)
 

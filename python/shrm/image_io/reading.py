@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from shrm import color
+from shrm.arrays import Float32Array
 from shrm.image_io.holes import finite
-from shrm.image_io.image import DEFAULT_MAX_BYTES, Image, ImageError, PathLike, Pixels, warn
+from shrm.image_io.image import DEFAULT_MAX_BYTES, Image, ImageError, PathLike, warn
 from shrm.image_io.source import metadata_of, open_source, read_pixels
 
 
@@ -83,9 +84,9 @@ def _short_names(spec: Any) -> list[str]:
     return [name.rsplit(".", 1)[-1].upper() for name in spec.channelnames]
 
 
-def _orient(path: PathLike, pixels: Pixels, metadata: Mapping[str, Any]) -> Pixels:
+def _orient(path: PathLike, pixels: Float32Array, metadata: Mapping[str, Any]) -> Float32Array:
     """Turn a picture upright as its attribute Orientation (EXIF) says."""
-    turns: dict[int, Callable[[Pixels], Pixels]] = {
+    turns: dict[int, Callable[[Float32Array], Float32Array]] = {
         2: lambda p: p[:, ::-1],
         3: lambda p: p[::-1, ::-1],
         4: lambda p: p[::-1],
@@ -101,7 +102,7 @@ def _orient(path: PathLike, pixels: Pixels, metadata: Mapping[str, Any]) -> Pixe
     return turns[orientation](pixels)
 
 
-def _to_rec709(path: PathLike, pixels: Pixels, metadata: Mapping[str, Any]) -> Pixels:
+def _to_rec709(path: PathLike, pixels: Float32Array, metadata: Mapping[str, Any]) -> Float32Array:
     chromaticities = metadata.get("chromaticities")
     if chromaticities is None or np.allclose(chromaticities, color.REC709, atol=2e-3):
         return pixels

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - its own name for itself
 
-from shrm.image_io.image import ImageError, PathLike, Pixels
+from shrm.arrays import Float32Array
+from shrm.image_io.image import ImageError, PathLike
 
 
 def open_source(path: PathLike, max_bytes: int) -> tuple[Any, Any]:
@@ -46,12 +47,14 @@ def open_source(path: PathLike, max_bytes: int) -> tuple[Any, Any]:
     return source, spec
 
 
-def read_pixels(path: PathLike, source: Any, spec: Any, subimage: int) -> Pixels:
+def read_pixels(path: PathLike, source: Any, spec: Any, subimage: int) -> Float32Array:
     """Return all channels as float32, (H, W, channels)."""
     pixels = _careful(lambda: source.read_image(subimage, 0, 0, spec.nchannels, oiio.FLOAT))
     if pixels is None or source.has_error:
         raise ImageError(f"{path}: is truncated or damaged ({fault(source.geterror)})")
-    result: Pixels = np.asarray(pixels, dtype=np.float32).reshape(spec.height, spec.width, spec.nchannels)
+    result: Float32Array = np.asarray(pixels, dtype=np.float32).reshape(
+        spec.height, spec.width, spec.nchannels
+    )
     return result
 
 

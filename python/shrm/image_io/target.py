@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import secrets
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - its own name for itself
 
+from shrm.files import replacing
 from shrm.image_io.image import ImageError, Metadata, PathLike
 from shrm.image_io.source import fault
 
@@ -32,25 +31,22 @@ def set_metadata(path: PathLike, spec: Any, metadata: Metadata) -> None:
 
 
 def write_whole(path: Path, specs: Sequence[Any], pictures: Sequence[npt.NDArray[Any]]) -> None:
-    """Write the parts of a file beside it, then rename."""
-    beside = path.with_name(f".{path.stem}.{secrets.token_hex(4)}{path.suffix.lower()}")
-    output = oiio.ImageOutput.create(str(beside))
+    """Write the parts of a file, whole."""
+    output = oiio.ImageOutput.create(path.suffix.lower().lstrip("."))
     if output is None:
         raise ImageError(f"{path}: cannot be written ({fault(oiio.geterror)})")
     try:
-        for part, (spec, pixels) in enumerate(zip(specs, pictures, strict=True)):
-            if part:
-                opened = output.open(str(beside), spec, "AppendSubimage")
-            elif len(specs) > 1:
-                opened = output.open(str(beside), tuple(specs))
-            else:
-                opened = output.open(str(beside), spec)
-            if not opened or not output.write_image(np.ascontiguousarray(pixels)):
+        with replacing(path) as beside:
+            for part, (spec, pixels) in enumerate(zip(specs, pictures, strict=True)):
+                if part:
+                    opened = output.open(str(beside), spec, "AppendSubimage")
+                elif len(specs) > 1:
+                    opened = output.open(str(beside), tuple(specs))
+                else:
+                    opened = output.open(str(beside), spec)
+                if not opened or not output.write_image(np.ascontiguousarray(pixels)):
+                    raise ImageError(f"{path}: cannot be written ({fault(output.geterror)})")
+            if not output.close():
                 raise ImageError(f"{path}: cannot be written ({fault(output.geterror)})")
-        if not output.close():
-            raise ImageError(f"{path}: cannot be written ({fault(output.geterror)})")
-        os.replace(beside, path)
     except OSError as error:
         raise ImageError(f"{path}: cannot be written ({error.strerror or error})") from None
-    finally:
-        beside.unlink(missing_ok=True)

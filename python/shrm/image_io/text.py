@@ -15,7 +15,7 @@ def draw_text(pixels: npt.NDArray[np.uint8], text: str, x: int, y: int, size: in
     pixels : (H, W, 3) uint8
     text : str
     x, y : int
-        Where the text is centred from left to right, and its base line.
+        Where the text is centered from left to right, and its base line.
     size : int
         Height of the letters in pixels, about.
     """

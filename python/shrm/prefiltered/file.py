@@ -23,7 +23,10 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import image_io
+from shrm.arrays import FloatArray
 from shrm.brdf.lobe import Center
+from shrm.frequency.reflection_map import Part
+from shrm.frequency.rings import BORDER, Layout
 from shrm.image_io import ImageError
 from shrm.prefiltered.layers import Y00
 from shrm.prefiltered.maps import (
@@ -35,8 +38,6 @@ from shrm.prefiltered.maps import (
     Phong,
     PrefilteredMap,
 )
-from shrm.reflection_map import Part
-from shrm.rings import BORDER, Layout
 
 VERSION = 1
 CLASSES: Mapping[str, type[PrefilteredMap]] = {
@@ -46,7 +47,7 @@ LARGEST = 1024
 """Of lobes and of layers, in a file that is believed."""
 
 _CONVENTIONS = {
-    "shrm:axes": "right-handed, z up; lat-long: row 0 at +z, column centres at phi = pi - 2 pi (j + 1/2) / W "
+    "shrm:axes": "right-handed, z up; lat-long: row 0 at +z, column centers at phi = pi - 2 pi (j + 1/2) / W "
     "from +x towards +y",
     "shrm:central direction": "C = cos(gamma) N - sin(gamma) (V - (N.V) N) / |V - (N.V) N|; "
     "reflection: gamma = theta_v, normal: gamma = 0, tangent: C = T",
@@ -121,7 +122,7 @@ def _lobe(images: Mapping[str, image_io.Part], k: int, brdf: str) -> Prefiltered
     about = picture.metadata
     layout, center, kind = (str(about[f"shrm:{name}"]) for name in ("layout", "center", "class"))
     if layout not in get_args(Layout) or center not in get_args(Center) or kind not in CLASSES:
-        raise ValueError(f"layout {layout!r}, centre {center!r}, class {kind!r}")
+        raise ValueError(f"layout {layout!r}, center {center!r}, class {kind!r}")
     if center not in (CLASSES[kind].centers or get_args(Center)):
         raise ValueError(f"a {kind} map about the {center}")
     rows, columns, channels = picture.pixels.shape
@@ -158,7 +159,7 @@ def _lobe(images: Mapping[str, image_io.Part], k: int, brdf: str) -> Prefiltered
     return CLASSES[kind](layers, brdf)
 
 
-def _finite(images: Mapping[str, image_io.Part], name: str) -> npt.NDArray[np.float64]:
+def _finite(images: Mapping[str, image_io.Part], name: str) -> FloatArray:
     pixels = images[name].pixels.astype(np.float64)
     if not np.isfinite(pixels).all():
         raise ValueError(f"{name} is not finite")

@@ -7,22 +7,21 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
-import numpy.typing as npt
 
+from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf import BRDF, Material
 from shrm.brdf.lobe import Center, Lobe, refuse_anisotropic
-from shrm.central_direction import gamma_table
-from shrm.cost import ANGULAR_SHARE
 from shrm.environment import Environment
-from shrm.hierarchical import prefilter_hierarchical
-from shrm.lobe_integrals import across, bisector
-from shrm.prefiltering import prefilter as prefilter_in_frequency
-from shrm.reference import DEFAULT_SIZE, prefilter_angular
-from shrm.reflection_map import Part
-from shrm.rings import BORDER, Float32Array, Layout
+from shrm.frequency.prefilter import prefilter as prefilter_in_frequency
+from shrm.frequency.reflection_map import Part
+from shrm.frequency.rings import BORDER, Layout
+from shrm.integrate.angular import DEFAULT_SIZE, prefilter_angular
+from shrm.integrate.angular_lobes import across, bisector
+from shrm.integrate.hierarchical import prefilter_hierarchical
+from shrm.lobes.center import gamma_table
+from shrm.methods.cost import ANGULAR_SHARE
 from shrm.validation import fraction, one_of, whole_number
 
-FloatArray = npt.NDArray[np.float64]
 Integrator = Literal["frequency", "angular", "hierarchical"]
 
 MOST_SLICES = 341

@@ -21,17 +21,19 @@ from typing import ClassVar, TypeVar, get_args
 import numpy as np
 import numpy.typing as npt
 
+from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf import BRDF, Material
 from shrm.brdf.lobe import Center
-from shrm.central_direction import gamma_at, gamma_table
 from shrm.environment import Environment
-from shrm.explicit import fit
-from shrm.icosahedral import icosahedron, weights
-from shrm.kautz_mccool import FactoredLobe, factor_at, factored, symmetric
-from shrm.lobe_integrals import across, central_directions, normals_of
+from shrm.frequency.reflection_map import Interpolation, Part
+from shrm.frequency.rings import Layout
+from shrm.integrate.angular_lobes import across, central_directions, normals_of
+from shrm.lobes.center import gamma_at, gamma_table
+from shrm.lobes.factored import FactoredLobe, factor_at, factored, symmetric
+from shrm.prefiltered.explicit import fit
+from shrm.prefiltered.icosahedron import icosahedron, weights
 from shrm.prefiltered.layers import (
     Y00,
-    FloatArray,
     Integrator,
     Layers,
     largest_angle,
@@ -39,8 +41,6 @@ from shrm.prefiltered.layers import (
     radial_layers,
     sliced_layers,
 )
-from shrm.reflection_map import Interpolation, Part
-from shrm.rings import Float32Array, Layout
 from shrm.validation import one_of, real_array, unit_vectors
 
 S = TypeVar("S", bound="_OneShape")
@@ -61,7 +61,7 @@ class PrefilteredMap(ABC):
     assumes : str
         When that is all there is.
     kinds, centers : tuple of str
-        Of the lobes that it holds; isotropic ones may have any centre.
+        Of the lobes that it holds; isotropic ones may have any center.
     layers : tuple of Part
         Reflection maps over C, P = 0.
     brdf : str
@@ -196,7 +196,7 @@ class _OneShape(PrefilteredMap):
         ----------
         env : Environment
         brdf : BRDF
-            Of one radial lobe, about the class's centre.
+            Of one radial lobe, about the class's center.
         integrator, error, size, layout
             As in `shrm.prefiltered.prefilter`.
 
@@ -252,7 +252,7 @@ class _Slices(PrefilteredMap):
         size: int | None = None,
         layout: Layout = "latlong",
     ) -> D:
-        """Prefilter an environment for a lobe that is symmetric about its centre for every view, or made so.
+        """Prefilter an environment for a lobe that is symmetric about its center for every view, or made so.
 
         Parameters
         ----------
@@ -407,7 +407,7 @@ class Cabral(PrefilteredMap):
         Parameters
         ----------
         maps : (12, H, 2 H, 3) array_like
-            Lat-long maps over the central direction, H even, in the order of `shrm.icosahedral.icosahedron`.
+            Lat-long maps over the central direction, H even, in the order of `icosahedron`.
         center : {"reflection", "normal", "tangent"}
             The central direction by which they are looked up.
         name : str

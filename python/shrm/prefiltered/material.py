@@ -10,14 +10,23 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import sh
+from shrm.arrays import Float32Array, RealArray
 from shrm.brdf import BRDF, Material
 from shrm.brdf.lobe import Lobe, ZonalLobe, refuse_anisotropic
-from shrm.brdf_analysis import analyse
-from shrm.central_direction import gamma_table
 from shrm.environment import Environment
-from shrm.icosahedral import icosahedron
-from shrm.kautz_mccool import MOST_LOBES, factored, factored_phong, symmetric
+from shrm.frequency.analysis import analyse
+from shrm.frequency.reflection_map import (
+    Interpolation,
+    Part,
+    ReflectionMap,
+    require_no_residual,
+    zonal_harmonics,
+)
+from shrm.frequency.rings import Layout
+from shrm.lobes.center import gamma_table
+from shrm.lobes.factored import MOST_LOBES, factored, factored_phong, symmetric
 from shrm.prefiltered import file
+from shrm.prefiltered.icosahedron import icosahedron
 from shrm.prefiltered.layers import MOST_SLICES, Y00, Integrator, Layers, largest_angle, require_material
 from shrm.prefiltered.maps import (
     SLICES,
@@ -29,8 +38,6 @@ from shrm.prefiltered.maps import (
     Phong,
     PrefilteredMap,
 )
-from shrm.reflection_map import Interpolation, Part, ReflectionMap, require_no_residual, zonal_harmonics
-from shrm.rings import Float32Array, Layout
 from shrm.validation import one_of, whole_number
 
 Technique = Literal["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"]
@@ -220,7 +227,7 @@ def _slices(part: Part, lobe: ZonalLobe, P: int, slices: int) -> tuple[Part, ...
     )
 
 
-def _layer(part: Part, rings: npt.NDArray[np.floating]) -> Part:
+def _layer(part: Part, rings: RealArray) -> Part:
     """A layer: one map, of P = 0, without coefficients."""
     return replace(
         part,

@@ -4,7 +4,7 @@ camera -> line_field, tangents, placement -> shapes, mesh -> lookup -> tonemap -
 transferred, row, turntable, output
 """
 
-from shrm.lookup import environment_lookup, texture_lookup
+from shrm.environment.lookup import environment_lookup, texture_lookup
 from shrm.render.camera import Camera
 from shrm.render.line_field import tangents_around
 from shrm.render.mesh import Mesh

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from shrm.arrays import FloatArray
+
 Vector = tuple[float, float, float]
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,7 @@ class Camera:
     Parameters
     ----------
     position, target : 3 floats
-        Where the eye is and what is in the centre of the picture; world frame, z up.
+        Where the eye is and what is in the center of the picture; world frame, z up.
     fov : float
         Vertical field of view in degrees, 0 < fov < 180. Unused by an orthographic camera.
     height : float, optional

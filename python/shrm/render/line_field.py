@@ -18,12 +18,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
-from shrm.render.camera import FloatArray, Vector
-
-ComplexArray = npt.NDArray[np.complex128]
-IntArray = npt.NDArray[np.int64]
+from shrm.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from shrm.render.camera import Vector
 
 VERTICAL: Vector = (0.0, 0.0, 1.0)
 
@@ -110,7 +107,7 @@ class Planes:
     edges: FloatArray
     areas: FloatArray
     turns: ComplexArray
-    mirrored: npt.NDArray[np.bool_]
+    mirrored: BoolArray
 
     @classmethod
     def of(cls, points: FloatArray, faces: IntArray, normals: FloatArray) -> Planes:

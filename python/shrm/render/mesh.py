@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 
-from shrm.lookup import texture_lookup
-from shrm.render.camera import FloatArray, Vector
+from shrm.arrays import Float32Array, FloatArray, IntArray
+from shrm.environment.lookup import texture_lookup
+from shrm.render.camera import Vector
 from shrm.render.line_field import orthogonalised, unit
 from shrm.render.placement import Placement, about_vertical
 from shrm.render.shapes import Hits
@@ -46,7 +46,7 @@ class Mesh:
     """
 
     vertices: FloatArray
-    faces: npt.NDArray[np.int64]
+    faces: IntArray
     normals: FloatArray | None = None
     uv: FloatArray | None = None
     tangents: FloatArray | None = None
@@ -169,12 +169,12 @@ class Mesh:
 
     @cached_property
     def ball(self) -> tuple[FloatArray, float]:
-        """Centre (3,) of the bounding box, and radius of the ball about it that holds all vertices."""
+        """Center (3,) of the bounding box, and radius of the ball about it that holds all vertices."""
         center = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
         return center, float(np.linalg.norm(self.vertices - center, axis=1).max())
 
-    def texture_at_vertices(self, texture: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-        """Return a texture (H, W, C) at the vertices, (n, C): see `shrm.lookup.texture_lookup`.
+    def texture_at_vertices(self, texture: Float32Array) -> Float32Array:
+        """Return a texture (H, W, C) at the vertices, (n, C): see `shrm.environment.lookup.texture_lookup`.
 
         Raises
         ------
@@ -243,7 +243,7 @@ class Mesh:
 
 def _gather(
     path: str | Path,
-) -> tuple[FloatArray, npt.NDArray[np.int64], FloatArray | None, FloatArray | None]:
+) -> tuple[FloatArray, IntArray, FloatArray | None, FloatArray | None]:
     """Vertices, faces, normals (if every part has them) and uv (if any has) of all meshes in a file."""
     import trimesh
 

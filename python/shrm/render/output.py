@@ -23,7 +23,7 @@ def write_picture(
     exposure : float, optional
         In stops, for .png; by default `automatic_exposure` of the objects.
     alpha : bool
-        Save the coverage as alpha, .png and .exr only; in .exr colours stay multiplied by it.
+        Save the coverage as alpha, .png and .exr only; in .exr colors stay multiplied by it.
 
     Returns
     -------

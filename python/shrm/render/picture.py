@@ -12,14 +12,13 @@ from typing import Literal, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from shrm.lookup import environment_lookup, texture_lookup
-from shrm.render.camera import Camera, FloatArray, Vector
+from shrm.arrays import BoolArray, Float32Array, FloatArray
+from shrm.environment.lookup import environment_lookup, texture_lookup
+from shrm.render.camera import Camera, Vector
 from shrm.render.line_field import VERTICAL, orthogonalised, tangents_around, unit
 from shrm.render.mesh import Mesh
 from shrm.render.shapes import Hits, Shape
 from shrm.render.vertex_radiance import VertexRadiance
-
-FloatPixels = npt.NDArray[np.float32]
 
 RAYS_AT_ONCE = 1 << 17  # bounds the memory of a picture of any size
 
@@ -29,10 +28,10 @@ class Reflection(Protocol):
 
     def radiance(
         self,
-        normals: npt.NDArray[np.float32],
-        views: npt.NDArray[np.float32],
-        tangents: npt.NDArray[np.float32] | None = None,
-    ) -> npt.NDArray[np.float32]:
+        normals: Float32Array,
+        views: Float32Array,
+        tangents: Float32Array | None = None,
+    ) -> Float32Array:
         """Reflected radiance (n, 3); all arguments (n, 3) unit vectors, views from surface to eye."""
         ...
 
@@ -41,7 +40,7 @@ class Lighting(Protocol):
     """What is seen behind the objects: `shrm.Environment`."""
 
     @property
-    def pixels(self) -> FloatPixels:
+    def pixels(self) -> Float32Array:
         """Lat-long picture, (H, W, 3) float32."""
         ...
 
@@ -58,7 +57,7 @@ class Object:
     texture : (H, W, 3) float32, optional
         Linear; multiplies the reflected light [RH02 sec. 3]. (u, v) = (0, 1) is its upper left corner.
     axis : 3 floats
-        Tangents, which only materials centred on them use, run around this axis, unless the shape has a
+        Tangents, which only materials centered on them use, run around this axis, unless the shape has a
         tangent field of its own (`Mesh.with_tangents`).
 
     Raises
@@ -69,7 +68,7 @@ class Object:
 
     shape: Shape
     material: Reflection | VertexRadiance
-    texture: FloatPixels | None = None
+    texture: Float32Array | None = None
     axis: Vector = VERTICAL
 
     def __post_init__(self) -> None:
@@ -91,8 +90,8 @@ class Picture:
         The part of each pixel that objects cover.
     """
 
-    radiance: FloatPixels
-    coverage: npt.NDArray[np.float32]
+    radiance: Float32Array
+    coverage: Float32Array
 
 
 def render(
@@ -157,8 +156,8 @@ def render(
             pixels = np.arange((bottom - top) * width).reshape(bottom - top, 1, width, 1)
             points = np.broadcast_to(pixels, shape).ravel()
         views = np.broadcast_to(-camera.forward, directions.shape) if viewer == "distant" else -directions
-        colours, covered = _trace(objects, origins, directions, views, points, background)
-        radiance[top:bottom] = colours.reshape(*shape, 3).mean(axis=(1, 3))
+        colors, covered = _trace(objects, origins, directions, views, points, background)
+        radiance[top:bottom] = colors.reshape(*shape, 3).mean(axis=(1, 3))
         coverage[top:bottom] = covered.reshape(shape).mean(axis=(1, 3))
         if progress is not None:
             progress(bottom / height)
@@ -172,7 +171,7 @@ def _trace(
     views: FloatArray,
     points: npt.NDArray[np.intp],
     background: Lighting | None,
-) -> tuple[FloatPixels, npt.NDArray[np.bool_]]:
+) -> tuple[Float32Array, BoolArray]:
     """Radiance (n, 3) along rays, and whether they hit an object (n,).
 
     Rays of the same point that hit the same object share one evaluation of its material.
@@ -208,7 +207,7 @@ def _reflected(
     seen: npt.NDArray[np.intp],
     views: FloatArray,
     points: npt.NDArray[np.intp],
-) -> FloatPixels:
+) -> Float32Array:
     """Reflected radiance (k, 3) of the rays that see an object; those of the same point ask once."""
     _, some, point = np.unique(points[seen], return_index=True, return_inverse=True)
     normals, toward_eye = (unit(_sums(x[seen], point, len(some))) for x in (hits.normals, views))
@@ -221,7 +220,7 @@ def _reflected(
     return material.radiance(_single(normals), _single(toward_eye), tangents=_single(tangents))[point]
 
 
-def _interpolated(material: VertexRadiance, hits: Hits, seen: npt.NDArray[np.intp]) -> FloatPixels:
+def _interpolated(material: VertexRadiance, hits: Hits, seen: npt.NDArray[np.intp]) -> Float32Array:
     """Radiance (k, 3) of the rays that see an object, from its vertices."""
     assert hits.corners is not None  # the shape is a mesh
     assert hits.weights is not None
@@ -239,5 +238,5 @@ def _same_sign(tangents: FloatArray, others: FloatArray) -> FloatArray:
     return np.where(opposite[:, None], -tangents, tangents)
 
 
-def _single(vectors: FloatArray) -> npt.NDArray[np.float32]:
+def _single(vectors: FloatArray) -> Float32Array:
     return np.ascontiguousarray(vectors, np.float32)

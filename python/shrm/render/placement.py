@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shrm.render.camera import FloatArray
+from shrm.arrays import FloatArray
 
 
 def about_vertical(degrees: float) -> FloatArray:

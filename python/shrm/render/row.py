@@ -8,7 +8,7 @@ import numpy as np
 
 from shrm.render.camera import Camera, Vector
 
-SPACING = 2.3  # between the centres of unit spheres
+SPACING = 2.3  # between the centers of unit spheres
 MARGIN = 0.3  # around them
 
 
@@ -49,7 +49,7 @@ def row_camera(
     width, height = row_extent(count)
     reach = math.tan(math.radians(fov) / 2.0)
     across, upright = reach * min(1.0, aspect), reach * min(1.0, 1.0 / aspect)
-    # 1: perspective magnifies the front of the spheres, which is a radius nearer than their centres.
+    # 1: perspective magnifies the front of the spheres, which is a radius nearer than their centers.
     distance = 1.0 + max(width / (2.0 * across), height / (2.0 * upright))
     x, y, z = (float(coordinate) for coordinate in -distance * forward)
     camera = Camera((x, y, z), fov=math.degrees(2.0 * math.atan(upright)))

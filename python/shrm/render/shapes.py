@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from shrm.render.camera import FloatArray, Vector
+from shrm.arrays import FloatArray, IntArray
+from shrm.render.camera import Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Hits:
     normals: FloatArray
     uv: FloatArray
     tangents: FloatArray | None = None
-    corners: npt.NDArray[np.int64] | None = None
+    corners: IntArray | None = None
     weights: FloatArray | None = None
 
 
@@ -67,7 +67,7 @@ class Sphere:
     def intersect(self, origins: FloatArray, directions: FloatArray) -> Hits:
         """First hits of rays with (n, 3) origins and unit directions."""
         offsets = origins - np.asarray(self.center)
-        nearest = -np.einsum("nk,nk->n", offsets, directions)  # to the point nearest the centre
+        nearest = -np.einsum("nk,nk->n", offsets, directions)  # to the point nearest the center
         distances = np.full(len(directions), np.inf)
         normals, uv = np.zeros((len(directions), 3)), np.zeros((len(directions), 2))
 

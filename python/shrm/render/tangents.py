@@ -13,8 +13,8 @@ from typing import Literal
 
 import numpy as np
 
-from shrm.render.camera import FloatArray
-from shrm.render.line_field import ComplexArray, IntArray, Planes, components
+from shrm.arrays import ComplexArray, FloatArray, IntArray
+from shrm.render.line_field import Planes, components
 
 Tangents = Literal["axis", "uv", "principal"]
 

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-FloatPixels = npt.NDArray[np.float32]
+from shrm.arrays import Float32Array
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear Rec. 709
 
 
-def srgb(linear: FloatPixels) -> FloatPixels:
+def srgb(linear: Float32Array) -> Float32Array:
     """Encode linear values for display by the curve of IEC 61966-2-1, clipped to [0, 1] first."""
     x = np.clip(linear, 0.0, 1.0)
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(x, 1.0 / 2.4) - 0.055).astype(np.float32)
 
 
-def automatic_exposure(radiance: FloatPixels, coverage: npt.NDArray[np.float32] | None = None) -> float:
+def automatic_exposure(radiance: Float32Array, coverage: Float32Array | None = None) -> float:
     """Stops that put the 90th percentile of the luminance at 0.7 of white.
 
     Parameters
@@ -33,7 +33,7 @@ def automatic_exposure(radiance: FloatPixels, coverage: npt.NDArray[np.float32] 
 
 
 def display(
-    radiance: FloatPixels, exposure: float = 0.0, coverage: npt.NDArray[np.float32] | None = None
+    radiance: Float32Array, exposure: float = 0.0, coverage: Float32Array | None = None
 ) -> npt.NDArray[np.uint8]:
     """Pixels for an 8-bit file.
 
@@ -44,7 +44,7 @@ def display(
     exposure : float
         In stops: radiance is multiplied by 2 ** exposure.
     coverage : (H, W) float32, optional
-        Becomes the fourth channel; colours are then not multiplied by it, as PNG wants them.
+        Becomes the fourth channel; colors are then not multiplied by it, as PNG wants them.
 
     Returns
     -------
@@ -55,6 +55,6 @@ def display(
         shown = srgb(gain * radiance)
     else:
         alpha = coverage[..., None]
-        colours = gain * radiance / np.where(alpha > 0.0, alpha, 1.0)
-        shown = np.concatenate([srgb(colours.astype(np.float32)), alpha], axis=2)
+        colors = gain * radiance / np.where(alpha > 0.0, alpha, 1.0)
+        shown = np.concatenate([srgb(colors.astype(np.float32)), alpha], axis=2)
     return np.round(255.0 * shown).astype(np.uint8)

@@ -19,8 +19,9 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import sh
-from shrm.prefiltering import Window, degree_window
-from shrm.render.camera import Camera, FloatArray, Vector
+from shrm.arrays import FloatArray
+from shrm.frequency.prefilter import Window, degree_window
+from shrm.render.camera import Camera, Vector
 from shrm.render.mesh import Mesh
 from shrm.render.placement import Placement
 from shrm.render.vertex_radiance import VertexRadiance

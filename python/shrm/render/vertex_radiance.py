@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from shrm.render.camera import FloatArray
+from shrm.arrays import Float32Array, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +27,7 @@ class VertexRadiance:
         If the array is not of this shape and type.
     """
 
-    values: npt.NDArray[np.float32]
+    values: Float32Array
 
     def __post_init__(self) -> None:
         if self.values.ndim != 2 or self.values.shape[1] != 3 or self.values.dtype != np.float32:
@@ -45,6 +44,6 @@ class VertexRadiance:
         if len(self.values) != count:
             raise ValueError(f"values has {len(self.values)} rows, but the mesh has {count} vertices")
 
-    def at(self, corners: npt.NDArray[np.int64], weights: FloatArray) -> npt.NDArray[np.float32]:
+    def at(self, corners: IntArray, weights: FloatArray) -> Float32Array:
         """Radiance (n, 3) at points of faces with corners (n, 3), by barycentric weights (n, 3)."""
         return np.asarray(np.einsum("nk,nkc->nc", weights, self.values[corners]), np.float32)

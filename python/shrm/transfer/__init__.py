@@ -29,9 +29,9 @@ from shrm.transfer.lighting import (
     Projection,
     Tents,
 )
+from shrm.transfer.matrices.product import Path, published
 from shrm.transfer.object import RadianceTransfer, Variant
 from shrm.transfer.precompute import precompute
-from shrm.transfer.product import Path, published
 
 __all__ = [
     "Compressed",

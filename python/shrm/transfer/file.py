@@ -39,17 +39,16 @@ from __future__ import annotations
 import json
 import math
 import os
-import secrets
 import struct
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
+from shrm.files import replacing
 from shrm.transfer.object import RadianceTransfer, Variant
 from shrm.transfer.quaternions import from_rotations, to_rotations
 
@@ -105,17 +104,12 @@ def save(
         If blocks are of another shape, or the report holds what JSON does not.
     """
     path = Path(path)
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     sources = _sources(transfer, blocks or {})
     try:
-        with beside.open("xb") as file:
+        with replacing(path) as beside, beside.open("xb") as file:
             _write(file, transfer, sources)
-        os.replace(beside, path)
     except OSError as error:
         raise TransferFileError(f"{path}: cannot be written ({error.strerror or error})") from None
-    finally:
-        with suppress(OSError):  # where it cannot even be named it is not there
-            beside.unlink(missing_ok=True)
 
 
 def load(path: str | Path, *, verify: bool = False) -> RadianceTransfer:

@@ -13,12 +13,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shrm.directional_basis import DirectionalBasis
+from shrm.arrays import Float32Array, Int32Array, RealArray
+from shrm.transfer.directional_basis import DirectionalBasis
 from shrm.transfer.lighting import Compressed, Lighting, Tents
-from shrm.transfer.surface import MOST_ORDER, MOST_TENTS
+from shrm.transfer.lighting.surface import MOST_ORDER, MOST_TENTS
 from shrm.validation import one_of, real_array, whole_number
-
-Array = npt.NDArray[np.floating]
 
 VARIANTS = ("unshadowed", "shadowed", "interreflected")
 """Nothing hides the light; the object does; and its parts send each other light as well."""
@@ -39,10 +38,10 @@ class Variant:
         Uncompressed; mapped from disk maybe.
     """
 
-    weights: Array | None = None
-    components: Array | None = None
-    clusters: npt.NDArray[np.int32] | None = None
-    matrices: Array | None = None
+    weights: RealArray | None = None
+    components: RealArray | None = None
+    clusters: Int32Array | None = None
+    matrices: RealArray | None = None
 
     @property
     def K(self) -> int:
@@ -64,7 +63,7 @@ class RadianceTransfer:
     n : int
         Order of the light, degrees 0 to n - 1, in [1, 10].
     M : int
-        Tents along a side, see `shrm.directional_basis`, in [2, 33].
+        Tents along a side, see `shrm.transfer.directional_basis`, in [2, 33].
     channels : int
         C: 1, the same for R, G and B, or 3.
     variants : dict of Variant
@@ -82,14 +81,14 @@ class RadianceTransfer:
         If an argument is not as described, or they do not fit each other.
     """
 
-    vertices: npt.NDArray[np.float32]
-    faces: npt.NDArray[np.int32]
-    frames: npt.NDArray[np.float32]
+    vertices: Float32Array
+    faces: Int32Array
+    frames: Float32Array
     n: int
     M: int
     channels: int
     variants: dict[str, Variant]
-    uv: npt.NDArray[np.float32] | None = None
+    uv: Float32Array | None = None
     material: str = ""
     report: dict[str, Any] = field(default_factory=dict)
 
@@ -114,7 +113,7 @@ class RadianceTransfer:
         for name in self.variants:
             one_of("variants", name, VARIANTS)
         self.variants = {name: self._fitting(name, variant) for name, variant in self.variants.items()}
-        self._coarser: dict[tuple[str, int], Array] = {}
+        self._coarser: dict[tuple[str, int], RealArray] = {}
         self._lit: tuple[tuple[str, int], Lighting] | None = None
 
     def _fitting(self, name: str, variant: Variant) -> Variant:
@@ -175,7 +174,7 @@ class RadianceTransfer:
         variant: str | None = None,
         K: int | None = None,
         M: int | None = None,
-    ) -> npt.NDArray[np.float32]:
+    ) -> Float32Array:
         """Return the radiance (V, 3) of the vertices towards an eye or along a view, under light (n^2, 3).
 
         As `lighting`, whose result is kept for the next call.
@@ -197,7 +196,7 @@ class RadianceTransfer:
             raise ValueError(f"{name} is not compressed: it has no components for another K or M")
         return name, one, one.K if K is None else whole_number("K", K, 1, one.K), M
 
-    def _components(self, name: str, variant: Variant, M: int) -> Array:
+    def _components(self, name: str, variant: Variant, M: int) -> RealArray:
         """Components (..., M^2, C, n^2) in float32 on the coarser tents of M."""
         components = np.asarray(variant.components, np.float32)
         if self.M == M:
@@ -242,7 +241,7 @@ class RadianceTransfer:
             )
 
     def save(
-        self, path: str | Path, *, blocks: Mapping[str, Callable[[], Iterable[Array]]] | None = None
+        self, path: str | Path, *, blocks: Mapping[str, Callable[[], Iterable[RealArray]]] | None = None
     ) -> None:
         """Write it to a file, whole or not at all; see `shrm.transfer.file.save`."""
         from shrm.transfer.file import save
@@ -257,7 +256,7 @@ class RadianceTransfer:
         return load(path, verify=verify)
 
 
-def _rows(name: str, value: Array, shape: tuple[int | None, ...]) -> npt.NDArray[np.float32]:
+def _rows(name: str, value: RealArray, shape: tuple[int | None, ...]) -> Float32Array:
     """A finite array of this shape as float32 in C order; None is any length above 0."""
     array = np.asarray(value)
     if array.dtype.kind not in "fiu":
@@ -270,7 +269,7 @@ def _rows(name: str, value: Array, shape: tuple[int | None, ...]) -> npt.NDArray
 
 def _indices(
     name: str, value: npt.NDArray[np.integer], shape: tuple[int | None, ...], below: int
-) -> npt.NDArray[np.int32]:
+) -> Int32Array:
     array = np.asarray(value)
     if array.dtype.kind not in "iu":
         raise TypeError(f"{name} must be an array of whole numbers, got dtype {array.dtype}")
@@ -280,7 +279,7 @@ def _indices(
     return np.ascontiguousarray(array, np.int32)
 
 
-def _floats(name: str, value: Array, shape: tuple[int | None, ...]) -> None:
+def _floats(name: str, value: RealArray, shape: tuple[int | None, ...]) -> None:
     if not isinstance(value, np.ndarray) or value.dtype not in (np.float32, np.float16):
         raise TypeError(
             f"{name} must be an array of float32 or float16, got {getattr(value, 'dtype', value)}"

@@ -17,26 +17,26 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from shrm.arrays import Float32Array, FloatArray, Int32Array
 from shrm.brdf import BRDF
-from shrm.tangent_frames import vertex_frames
-from shrm.transfer.accuracy import Sample, chosen
-from shrm.transfer.bounces import MOST_BOUNCES, albedos, leaving
-from shrm.transfer.clusters import clustered
-from shrm.transfer.components import PrincipalComponents
-from shrm.transfer.compression import factored, streamed
-from shrm.transfer.directions import FEWEST_DIRECTIONS, MOST_DIRECTIONS, local_directions
-from shrm.transfer.materials import Materials
-from shrm.transfer.matrices import Factors, Matrices
+from shrm.transfer.compression.clusters import clustered
+from shrm.transfer.compression.components import PrincipalComponents
+from shrm.transfer.compression.compression import factored, streamed
+from shrm.transfer.lighting.surface import MOST_ORDER, MOST_TENTS
+from shrm.transfer.matrices.accuracy import Sample, chosen
+from shrm.transfer.matrices.materials import Materials
+from shrm.transfer.matrices.matrices import Factors, Matrices
+from shrm.transfer.matrices.product import Path as Way
+from shrm.transfer.matrices.product import Product, product
 from shrm.transfer.object import VARIANTS, RadianceTransfer, Variant
-from shrm.transfer.product import Path as Way
-from shrm.transfer.product import Product, product
-from shrm.transfer.rays import Occluders, mesh_faces, rows
-from shrm.transfer.stored import read
-from shrm.transfer.surface import MOST_ORDER, MOST_TENTS
-from shrm.transfer.visibility import Visibility
+from shrm.transfer.rays.bounces import MOST_BOUNCES, albedos, leaving
+from shrm.transfer.rays.directions import FEWEST_DIRECTIONS, MOST_DIRECTIONS, local_directions
+from shrm.transfer.rays.rays import Occluders, mesh_faces, rows
+from shrm.transfer.rays.stored import read
+from shrm.transfer.rays.visibility import Visibility
+from shrm.transfer.tangent_frames import vertex_frames
 from shrm.validation import number, one_of, whole_number
 
-FloatArray = npt.NDArray[np.float64]
 Progress = Callable[[str, int, int], None]
 
 SAMPLE = 48
@@ -283,7 +283,7 @@ def _wanted(variants: Sequence[str]) -> list[str]:
     return [name for name in VARIANTS if name in names]
 
 
-def _uv(uv: npt.ArrayLike, count: int) -> npt.NDArray[np.float32]:
+def _uv(uv: npt.ArrayLike, count: int) -> Float32Array:
     array = rows("uv", uv, 2)
     if len(array) != count:
         raise ValueError(f"uv must have the shape ({count}, 2), got {array.shape}")
@@ -301,7 +301,7 @@ def _frames(mesh: Surface, vertices: FloatArray, tangents: npt.ArrayLike | None)
 
 def _sample(
     vertices: FloatArray,
-    faces: npt.NDArray[np.int32],
+    faces: Int32Array,
     frames: FloatArray,
     rays: FloatArray,
     hidden: bool,
@@ -343,10 +343,10 @@ def _compressed(
     return clustered(components, clusters, min(K or _OF_CLUSTER, components.K))
 
 
-def _blocks(factors: Factors) -> Callable[[], Iterator[npt.NDArray[np.float32]]]:
+def _blocks(factors: Factors) -> Callable[[], Iterator[Float32Array]]:
     """What gives the matrices anew, in blocks."""
 
-    def blocks() -> Iterator[npt.NDArray[np.float32]]:
+    def blocks() -> Iterator[Float32Array]:
         for start in range(0, len(factors.rows), 1024):
             part = read(factors.rows, slice(start, start + 1024))
             whole = part if factors.outer is None else np.matmul(factors.outer, part)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from shrm.arrays import FloatArray, RealArray
 
 
-def from_rotations(rotations: npt.NDArray[np.floating]) -> FloatArray:
+def from_rotations(rotations: RealArray) -> FloatArray:
     """Return unit quaternions (k, 4) of rotations (k, 3, 3), w at least 0."""
     R = np.asarray(rotations, np.float64)
     # 4 q q^T from R: its largest row is a multiple of q that loses no digits
@@ -26,7 +25,7 @@ def from_rotations(rotations: npt.NDArray[np.floating]) -> FloatArray:
     return np.asarray(np.where(q[:, :1] < 0, -q, q))
 
 
-def to_rotations(quaternions: npt.NDArray[np.floating]) -> FloatArray:
+def to_rotations(quaternions: RealArray) -> FloatArray:
     """Return rotations (k, 3, 3) of quaternions (k, 4) of any length but zero."""
     q = np.asarray(quaternions, np.float64)
     w, x, y, z = (q / np.linalg.norm(q, axis=1, keepdims=True)).T

@@ -6,11 +6,11 @@ geometry, maps -> scene -> renderer
 orbit -> state -> worker -> lighting, integration -> screen, comparison -> materials, panel -> window -> app
 """
 
-from shrm.viewer.context import Context, ContextError, offscreen
-from shrm.viewer.hardware_prefilter import HardwarePrefilter
-from shrm.viewer.paraboloid import ParaboloidMap, ParaboloidMaps
-from shrm.viewer.renderer import Renderer
-from shrm.viewer.scene import Scene
+from shrm.prefiltered.paraboloid import ParaboloidMap, ParaboloidMaps
+from shrm.viewer.gpu.context import Context, ContextError, offscreen
+from shrm.viewer.gpu.hardware_prefilter import HardwarePrefilter
+from shrm.viewer.gpu.renderer import Renderer
+from shrm.viewer.gpu.scene import Scene
 
 __all__ = [
     "Context",

@@ -15,10 +15,10 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from shrm.brdf.abc_model import ABC
-from shrm.brdf.lafortune import Lafortune
 from shrm.brdf.lobe import BRDF
-from shrm.brdf.sgd import SGD
+from shrm.brdf.models.abc_model import ABC
+from shrm.brdf.models.lafortune import Lafortune
+from shrm.brdf.models.sgd import SGD
 from shrm.validation import one_of
 
 Parameters = Mapping[str, Any]

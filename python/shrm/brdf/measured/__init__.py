@@ -4,7 +4,7 @@
 
     material       what all of them are: values, where there are any, and how the rest is filled; start here
     load           which format a file has
-    rgl            over tensor_file and spectrum (colours)
+    rgl            over tensor_file and spectrum (colors)
     merl           its table
     cornell        over text, spectrum, scattered (splines) and resampled (tables)
     alta           the same of fewer angles

@@ -39,9 +39,9 @@ from pathlib import Path
 
 import numpy as np
 
-from shrm.brdf.lobe import FloatArray
+from shrm.arrays import BoolArray, FloatArray
 from shrm.brdf.measured import text
-from shrm.brdf.measured.material import BoolArray, Extrapolate, Measured
+from shrm.brdf.measured.material import Extrapolate, Measured
 from shrm.brdf.measured.resampled import Covers, Function, cones, from_half_angles, resampled, within
 from shrm.brdf.measured.scattered import GRAZING, MOST_PLACES, interpolated
 

@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shrm.brdf.lobe import FloatArray
+from shrm.arrays import FloatArray
 from shrm.brdf.measured import text
 from shrm.brdf.measured.material import Extrapolate, Measured
 from shrm.brdf.measured.resampled import cones, resampled, within

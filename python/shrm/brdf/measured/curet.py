@@ -30,7 +30,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shrm.brdf.lobe import FloatArray
+from shrm.arrays import FloatArray
 from shrm.brdf.measured import koenderink_van_doorn, text
 from shrm.brdf.measured.material import Extrapolate, Measured
 from shrm.brdf.measured.resampled import Function, cones, resampled, within

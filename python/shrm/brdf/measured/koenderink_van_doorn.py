@@ -25,12 +25,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
-from shrm.brdf.lobe import FloatArray
+from shrm.arrays import FloatArray, IntArray
 
 
-def indices(order: int) -> npt.NDArray[np.int64]:
+def indices(order: int) -> IntArray:
     """Return n, m, l of the coefficients of an order, (coefficients, 3): n slowest, l fastest."""
     return np.array(
         [

@@ -57,9 +57,8 @@ def load(
     -------
     Measured
         A material like any other, in linear sRGB; the same one for a file that has not changed (but
-        for CUReT's, which may be several). What it
-        lacks in reciprocity, or has too much of energy, is as it was measured: `shrm.measurement_quality`
-        and `shrm info` report it.
+        for CUReT's, which may be several). What it lacks in reciprocity, or has too much of energy, is as it
+        was measured: `shrm.lobes.measurement_quality` and `shrm info` report it.
 
     Raises
     ------

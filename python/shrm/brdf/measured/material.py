@@ -5,7 +5,7 @@
 Measurements do not cover every direction: goniometers stop before grazing angles, tables mark what they
 lack. A reader fills those directions as it is told (`Extrapolate`) and `covers` says which they are.
 Reciprocity and energy are not touched: what is measured may be less than reciprocal, or reflect more than it
-receives. What a reader must change so that the values are light (negative colours, a fit below zero, a table
+receives. What a reader must change so that the values are light (negative colors, a fit below zero, a table
 that is not its own mirror image) its module says, and a note where it acts.
 """
 
@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from shrm.arrays import BoolArray, FloatArray
 from shrm.brdf.half_vector import above_horizon
-from shrm.brdf.lobe import BRDF, FloatArray, IsotropicLobe
+from shrm.brdf.lobe import BRDF, IsotropicLobe
 
 Extrapolate = Literal["nearest", "zero"]
 """How directions without data are filled: with the value of the nearest that have some, in the coordinates of
@@ -28,9 +28,6 @@ the file (RGL's files continue their values themselves), the default; or with no
 
 class MeasurementError(ValueError):
     """A file of measurements is of no known format, or not as its format has it; one line that names it."""
-
-
-BoolArray = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -63,7 +60,7 @@ class Measured(BRDF):
 
     @property
     def lobes(self) -> tuple[IsotropicLobe]:
-        """One isotropic lobe about the lobe centre."""
+        """One isotropic lobe about the lobe center."""
         return (IsotropicLobe("lobe", self._transfer),)
 
     @property

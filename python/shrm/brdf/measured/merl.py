@@ -5,7 +5,7 @@
 
 An entry is a bin: even in the square root of theta_h, which gathers them about the mirror direction, in
 theta_d over [0, pi/2], and in phi_d over [0, pi); by reciprocity that is all of it. Here values belong to the
-centres of the bins and are interpolated linearly between them, in the coordinates that the bins are even in.
+centers of the bins and are interpolated linearly between them, in the coordinates that the bins are even in.
 
 Negative entries mark what could not be measured, at grazing angles, and what lies below the horizon; one
 negative channel is enough. They are filled, with 0 or once and for all with the nearest entry that has data:
@@ -29,13 +29,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from shrm.arrays import BoolArray, Float32Array, FloatArray
 from shrm.brdf.angle_table import AngleTable
-from shrm.brdf.lobe import FloatArray
-from shrm.brdf.measured.material import BoolArray, Extrapolate, Measured
-
-Float32Array = npt.NDArray[np.float32]
+from shrm.brdf.measured.material import Extrapolate, Measured
 
 SCALE = (1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0)
 """From the numbers of a file to the BRDF, per steradian, by channel."""

@@ -16,9 +16,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from shrm.arrays import BoolArray, FloatArray
 from shrm.brdf.angle_table import AngleTable
-from shrm.brdf.lobe import FloatArray
-from shrm.brdf.measured.material import BoolArray, Extrapolate
+from shrm.brdf.measured.material import Extrapolate
 
 SHAPE = (46, 91, 37)
 """Nodes in theta_h, theta_d and phi_d."""

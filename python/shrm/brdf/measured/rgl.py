@@ -36,12 +36,10 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
-from shrm.brdf.lobe import FloatArray
-from shrm.brdf.measured.material import BoolArray, Extrapolate, Measured
+from shrm.arrays import BoolArray, Float32Array, FloatArray
+from shrm.brdf.measured.material import Extrapolate, Measured
 from shrm.brdf.measured.spectrum import to_linear_srgb
 from shrm.brdf.measured.tensor_file import MAGIC, TensorFile, open_tensor_file
-
-Float32Array = npt.NDArray[np.float32]
 
 
 def recognises(head: bytes, size: int) -> bool:

@@ -41,7 +41,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shrm.brdf.lobe import FloatArray
+from shrm.arrays import FloatArray
 from shrm.brdf.measured.resampled import Function
 
 MOST_PLACES = 4000

@@ -23,8 +23,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from shrm.arrays import FloatArray
 from shrm.color import REC709, xyz_from_rgb
-from shrm.validation import FloatArray, real_array
+from shrm.validation import real_array
 
 WAVELENGTHS = np.arange(380.0, 781.0, 5.0)
 """Of the tables below, nm."""

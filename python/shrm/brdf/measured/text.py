@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shrm.validation import FloatArray
+from shrm.arrays import FloatArray
 
 LARGEST = 8 << 20
 """Bytes: about ten times the largest published file of the formats that are text here."""

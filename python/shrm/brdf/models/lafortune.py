@@ -1,0 +1,161 @@
+"""The generalised cosine lobes of Lafortune et al. 1997.
+
+    rho_hat = N.L ( diffuse / pi + sum_k max(0, Cx Lx Vx + Cy Ly Vy + Cz Lz Vz)^n )    where N.L > 0
+
+with coefficients C and exponents n per lobe k and channel. The cosine is in it. L and V both point
+away from the surface, so a lobe round the mirror direction has Cx = Cy < 0 < Cz (-1, -1, 1 is a cosine
+lobe about R); Cz < 0 makes lobes that act at grazing angles only.
+
+The diffuse part is a Lambert lobe about the normal; the rest is one lobe about the lobe center, or
+about the reflection. `recentered("reflection", merge=True)` puts both into one lobe about R, as
+[RH02 footnote 6] does.
+
+Lobes with Cx != Cy depend on the azimuth of L and V itself, not only on its difference: they are
+anisotropic, and no map about R, N or the lobe center can hold them.
+
+References
+----------
+E. Lafortune, S.-C. Foo, K. Torrance, D. Greenberg. Non-Linear Approximation of Reflectance Functions.
+SIGGRAPH 1997: the model for a diagonal matrix, written out in components.
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.arrays import FloatArray
+from shrm.brdf.half_vector import above_horizon
+from shrm.brdf.lobe import BRDF, IsotropicLobe, Lobe
+from shrm.brdf.models import json_file
+from shrm.brdf.models.lambert import Lambert
+from shrm.validation import RGB, number_or_rgb, real_array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Lafortune(BRDF):
+    """A sum of generalised cosine lobes and a diffuse term.
+
+    Parameters
+    ----------
+    x, y, z : (K,) or (K, 3) array_like
+        Cx, Cy, Cz of K lobes; with three columns, one per channel. x must equal y.
+    exponent : (K,) or (K, 3) array_like
+        n, at least 0.
+    diffuse : float or three floats
+        Albedo of the diffuse part, in [0, 1].
+    label : str
+        What the name shows, such as "skin".
+
+    Raises
+    ------
+    ValueError
+        If x and y differ (anisotropic), or an argument is out of its range or shape.
+    """
+
+    x: npt.ArrayLike
+    y: npt.ArrayLike
+    z: npt.ArrayLike
+    exponent: npt.ArrayLike
+    diffuse: float | RGB = 0.0
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        arrays = {
+            key: real_array(f"Lafortune: {key}", getattr(self, key)).copy()
+            for key in ("x", "y", "z", "exponent")
+        }
+        shapes = {value.shape for value in arrays.values()}
+        shape = shapes.pop()
+        if shapes or len(shape) not in (1, 2) or shape[0] == 0 or shape[1:] not in ((), (3,)):
+            found = ", ".join(f"{key} {value.shape}" for key, value in arrays.items())
+            raise ValueError(
+                f"Lafortune: x, y, z, exponent must share the shape (K,) or (K, 3), K > 0, got {found}"
+            )
+        if not np.array_equal(arrays["x"], arrays["y"]):
+            raise ValueError(
+                "Lafortune: x and y differ, so the BRDF depends on the absolute azimuth about the normal "
+                "(it is anisotropic) and cannot be centered on R, N or the lobe: x must equal y"
+            )
+        if arrays["exponent"].min() < 0.0:
+            raise ValueError(f"Lafortune: exponent must be at least 0, got {arrays['exponent'].min():g}")
+        largest = np.maximum(np.abs(arrays["x"]), np.abs(arrays["z"]))  # bounds the dot product
+        if np.any(arrays["exponent"] * np.log(np.maximum(largest, 1.0)) > 200.0):
+            raise ValueError(
+                "Lafortune: exponent must keep max(|x|, |z|)^exponent below exp(200), got a larger value"
+            )
+        for key, value in arrays.items():
+            value.setflags(write=False)
+            object.__setattr__(self, key, value)
+        diffuse = number_or_rgb("Lafortune: diffuse", self.diffuse, 0.0, 1.0)
+        object.__setattr__(self, "diffuse", diffuse)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], name: str) -> Lafortune:
+        """Read one material of a JSON file of coefficients.
+
+        The file is an object of materials; each has `diffuse` and, for k = 0, 1, ..., `xyk` (or `xk`
+        and `yk`), `zk`, `ek`, each three numbers R, G, B.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            If it is no such file, or has no material of that name; the text names those it has.
+        """
+        return json_file.material(
+            path, name, "Lafortune coefficients", lambda found: cls.from_coefficients(found, f"{path}#{name}")
+        )
+
+    @classmethod
+    def from_coefficients(cls, coefficients: Mapping[str, Any], label: str) -> Lafortune:
+        """Make a material of `diffuse` and, for k = 0, 1, ..., `xyk` (or `xk` and `yk`), `zk` and `ek`.
+
+        Raises
+        ------
+        ValueError
+            If one is missing, or is not what the material takes.
+        """
+        return cls(**_arguments(coefficients), label=label)
+
+    @property
+    def lobes(self) -> tuple[Lobe, ...]:
+        """The glossy lobe about the lobe center, and the diffuse one about the normal where there is any."""
+        glossy = IsotropicLobe("lobe", self._transfer)
+        return (glossy, *Lambert(self.diffuse).lobes) if np.any(self.diffuse) else (glossy,)
+
+    @property
+    def name(self) -> str:
+        """Such as "lafortune(skin)"; no text for `parse`, which needs the file."""
+        return f"lafortune({self.label or f'{len(np.asarray(self.x))} lobes'})"
+
+    def _transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        xy, z, exponent = (np.asarray(value) for value in (self.x, self.z, self.exponent))
+        column = (slice(None),) + (None,) * (xy.ndim - 1)  # (n,) against the (3,) channels of a lobe
+        along = (wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])[column]
+        up = (wi[:, 2] * wo[:, 2])[column]
+        cosine = np.where(above_horizon(wi, wo), wi[:, 2], 0.0)[column]
+        total = np.zeros(along.shape[:1] + xy.shape[1:])
+        for k in range(len(xy)):
+            dot = xy[k] * along + z[k] * up
+            total += np.where(dot > 0.0, np.maximum(dot, 0.0) ** exponent[k], 0.0)
+        return total * cosine
+
+
+def _arguments(coefficients: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of `Lafortune` from the coefficients of a file."""
+    columns: dict[str, list[object]] = {"x": [], "y": [], "z": [], "exponent": []}
+    while (k := len(columns["z"])) == 0 or f"z{k}" in coefficients:
+        for argument, keys in (("x", ("xy", "x")), ("y", ("xy", "y")), ("z", ("z",)), ("exponent", ("e",))):
+            found = [f"{key}{k}" for key in keys if f"{key}{k}" in coefficients]
+            if not found:
+                raise ValueError(f"{' or '.join(f'{key}{k}' for key in keys)} is missing")
+            columns[argument].append(coefficients[found[0]])
+    return {**columns, "diffuse": coefficients.get("diffuse", 0.0)}

@@ -1,0 +1,52 @@
+"""Phong's lobe about the reflection, normalised over the sphere [RH02 sec. 6.3].
+
+    rho_hat = (s + 1) / (2 pi)  max(R.L, 0)^s
+
+The cosine is in it, and it has no horizon term: light from below the surface counts, which is what
+makes it radially symmetric about R. Its integral over all directions is 1 for every view.
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+B.-T. Phong. Illumination for Computer Generated Pictures. CACM 18(6), 1975.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shrm.arrays import FloatArray
+from shrm.brdf import parameters
+from shrm.brdf.lobe import BRDF, RadialLobe
+from shrm.validation import number
+
+
+@dataclass(frozen=True)
+class Phong(BRDF):
+    """A lobe cos^s about the reflection, of unit integral over the sphere.
+
+    Parameters
+    ----------
+    exponent : float
+        s, at least 0.
+    """
+
+    exponent: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "exponent", number("Phong: exponent", self.exponent, 0.0))
+
+    @property
+    def lobes(self) -> tuple[RadialLobe]:
+        """One radial lobe about the reflection."""
+        return (RadialLobe("reflection", self._profile),)
+
+    @property
+    def name(self) -> str:
+        """The text that `parse` reads."""
+        return f"phong(exponent={parameters.text(self.exponent)})"
+
+    def _profile(self, cos_theta_i: FloatArray) -> FloatArray:
+        # Zero behind the plane for s = 0 too, where 0^0 would be 1.
+        power = np.where(cos_theta_i > 0.0, np.maximum(cos_theta_i, 0.0) ** self.exponent, 0.0)
+        return power * ((self.exponent + 1.0) / (2.0 * np.pi))

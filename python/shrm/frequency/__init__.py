@@ -1,0 +1,1 @@
+"""Prefiltering in frequency space [RH02]: analysis, orders, maps, files, relighting."""

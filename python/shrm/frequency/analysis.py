@@ -1,0 +1,287 @@
+"""From a lobe to its coefficients rho_lpq: the three steps of [RH02] appendix C, about any center.
+
+In the frame of the central direction C (z axis), with N and V at azimuth 0,
+
+    N = (sin gamma, 0, cos gamma)      V = (sin theta_o, 0, cos theta_o)
+    L = (sin theta_i cos phi, sin theta_i sin phi, cos theta_i)
+
+theta_v is the angle between N and V, gamma(theta_v) the one between C and N (`central_direction`), and
+theta_o = theta_v + gamma. A lobe about the tangent has no N: theta_o runs over [0, pi].
+
+Each (l, q) projection of the light's degree and the azimuth,
+
+    g_lq(theta_o) = int int f_lq(theta_i) cos(q phi) rho_hat sin(theta_i) dtheta_i dphi,
+
+is a function of the view alone, and rho_lpq are the coefficients of its weighted least-squares fit by
+f_pq(theta_o), p <= P. The weight is the measure cos^2(theta_v) uniform. For C = R that is V uniform on the
+sphere about R, sin(theta_o) dtheta_o / 2; there the f_pq are orthogonal, of mean square 1 / 4 pi, and the fit
+is the integral rho_lpq = 2 pi int g_lq f_pq sin(theta_o) dtheta_o of [RH02] eq. 13.
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+[R02]  R. Ramamoorthi. PhD thesis, Stanford, 2002, chapter 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from shrm import _core
+from shrm.arrays import FloatArray
+from shrm.brdf.lobe import Center, IsotropicLobe, Kind, Lobe, RadialLobe, ZonalLobe, refuse_anisotropic
+from shrm.lobes.center import gamma_at, gamma_table, lobe_center
+from shrm.lobes.quadrature import (
+    Quadrature,
+    columns,
+    horizon_quadrature,
+    leggauss,
+    tabulate,
+    uniform_quadrature,
+    unit_gauss,
+    whole_quadrature,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class LobeAnalysis:
+    """A lobe projected on degrees and azimuths, for every order that may be asked for.
+
+    Attributes
+    ----------
+    center : {"lobe", "reflection", "normal", "tangent"}
+        The central direction.
+    kind : {"radial", "zonal", "isotropic"}
+        Radial lobes have P = 0, zonal ones only q = 0.
+    gamma : (257,) float64
+        The angle between C and N, radians, uniform in theta_v over [0, pi/2]; empty about the tangent.
+    theta_o, weight : (views,) float64
+        Angles between C and V, and the measure of the views (it sums to 1).
+    g : (channels, Q+1, L+1, views) float64
+        The projections g_lq(theta_o).
+    energy : (channels,) float64
+        The mean over the views of the integral of rho_hat^2 over the lights.
+    P : int
+        The largest order that the views are meant for.
+    quadrature_error : float
+        Fraction of the energy by which g may be off: next to nothing unless the lobe has jumps.
+    """
+
+    center: Center
+    kind: Kind
+    gamma: FloatArray
+    theta_o: FloatArray
+    weight: FloatArray
+    g: FloatArray
+    energy: FloatArray
+    P: int
+    quadrature_error: float = 0.0
+    _fits: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
+    _factors: dict[tuple[int, int], tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
+
+    @property
+    def L(self) -> int:
+        """The largest degree analysed."""
+        return int(self.g.shape[2]) - 1
+
+    @property
+    def Q(self) -> int:
+        """The largest azimuthal order analysed."""
+        return int(self.g.shape[1]) - 1
+
+    @property
+    def channels(self) -> int:
+        """1, or 3 for a lobe whose channels differ."""
+        return int(self.g.shape[0])
+
+    def degree_energy(self) -> FloatArray:
+        """Energy of each degree over all p, (L+1, channels): sum_q U_q of the mean over views of g_lq^2."""
+        return np.asarray(np.einsum("cql,q->lc", self.g**2 @ self.weight, _multiplicity(self.Q)))
+
+    def captured(self, P: int) -> FloatArray:
+        """Energy of each degree that an expansion to order P keeps, (L+1, channels)."""
+        return self._fit(P)[1]
+
+    def coefficients(self, F: int, P: int) -> FloatArray:
+        """Return rho_lpq, (F+1, P+1, P+1, channels) float64, indices l, p, q; zero where q > min(l, p).
+
+        For C = R these are the integrals [RH02] eq. 13.
+        """
+        return self._fit(P)[0][: F + 1]
+
+    def _fit(self, P: int) -> tuple[FloatArray, FloatArray]:
+        """Least squares over theta_o for every (l, q): the coefficients and the energy they keep."""
+        if P not in self._fits:
+            rho = np.zeros((self.L + 1, P + 1, P + 1, self.channels))
+            kept = np.zeros((self.L + 1, self.channels))
+            for q in range(min(P, self.Q) + 1):
+                # [RH02] appendix C, step 1, the integral over theta_o with the factor 2 pi: eq. 13
+                triangle, wanted = self._factored(q, max(P, self.P))
+                n = P - q + 1
+                U, singular, Vt = np.linalg.svd(triangle[:n, :n], full_matrices=False)
+                used = singular > 1e-6 * singular[0]
+                along = U.T[used] @ wanted[:n]
+                fit = Vt[used].T @ (along / singular[used, None])
+                energy = (along**2).sum(axis=0).reshape(self.channels, self.L + 1)
+                kept += (1 if q == 0 else 2) * energy.T
+                rho[:, q:, q] = fit.reshape(n, self.channels, self.L + 1).transpose(2, 0, 1)
+            self._fits[P] = rho, kept
+        return self._fits[P]
+
+    def _factored(self, q: int, P: int) -> tuple[FloatArray, FloatArray]:
+        """R and Q^T g of the QR factors of the f_pq(theta_o), q <= p <= P: every lower P is in their corner.
+
+        (P-q+1, P-q+1) and (P-q+1, channels (L+1)).
+        """
+        if (q, P) not in self._factors:
+            root = np.sqrt(self.weight)
+            basis = (_core.legendre(F=P, m=q, theta=self.theta_o)[q:] * root).T
+            orthogonal, triangle = np.linalg.qr(basis)
+            wanted = (self.g[:, q] @ (orthogonal * root[:, None])).reshape(-1, len(triangle)).T
+            self._factors[q, P] = triangle, wanted
+        return self._factors[q, P]
+
+
+def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
+    """Project a lobe on the degrees l <= L, with views enough for orders p <= P.
+
+    Parameters
+    ----------
+    lobe : Lobe
+        The lobe, about its own center.
+    L : int
+        Largest degree of the light.
+    P : int
+        Largest order of the view that will be asked for.
+
+    Returns
+    -------
+    LobeAnalysis
+
+    Raises
+    ------
+    ValueError
+        If the lobe is anisotropic.
+    """
+    refuse_anisotropic(lobe)
+    if isinstance(lobe, RadialLobe):
+        return _analyse_radial(lobe, L)
+    if isinstance(lobe, ZonalLobe):
+        return _analyse_zonal(lobe, L, P)
+    assert isinstance(lobe, IsotropicLobe)
+    return _analyse_isotropic(lobe, L, P)
+
+
+def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
+    """The one-dimensional path: P = 0, rho_l00 = sqrt(4 pi) rho_l  [RH02] appendix C, radially symmetric."""
+    nodes = whole_quadrature(_width(lambda theta: lobe.profile(np.cos(theta))), L)
+    profile = columns(lobe.profile(np.cos(nodes.theta_i[0])))
+    g, energy = _project(profile.reshape(*nodes.shape, -1), nodes, L, 0)
+    one = np.ones(1)
+    return LobeAnalysis(lobe.center, "radial", gamma_table(lobe.center), 0 * one, one, g, energy @ one, 0)
+
+
+def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
+    """No azimuth: only q = 0 [RH02 section 7.1, Kajiya-Kay]."""
+    views = max(96, 8 * (P + 1))
+    if lobe.center == "tangent":  # V uniform on the sphere
+        x, w = leggauss(views)
+        theta_o, weight = np.arccos(x), w / 2
+        nodes = uniform_quadrature(views, L)
+    else:  # cos^2(theta_v) uniform, as for isotropic lobes
+        x, w = unit_gauss(views)
+        theta_o, weight = lobe.theta_o(np.pi / 2 * x), np.pi / 2 * w * np.sin(np.pi * x)
+        one = whole_quadrature(_narrowest(lobe, theta_o), L)
+        nodes = replace(one, **{n: np.repeat(getattr(one, n), views, axis=0) for n in _OF_VIEWS})
+    table = lobe.profile(nodes.theta_i.ravel(), np.repeat(theta_o, nodes.theta_i.shape[1]))
+    g, energy = _project(columns(table).reshape(*nodes.shape, -1), nodes, L, 0)
+    gamma = gamma_table(lobe.center)
+    return LobeAnalysis(lobe.center, "zonal", gamma, theta_o, weight, g, energy @ weight, P)
+
+
+_OF_VIEWS = ("theta_i", "weight_theta", "arc")
+
+
+def _narrowest(lobe: ZonalLobe, theta_o: FloatArray) -> float:
+    """The smallest width of its profiles, at some of the views."""
+    some = theta_o[:: max(len(theta_o) // 8, 1)]
+    return min(_width(lambda theta, at=at: lobe.profile(theta, np.full_like(theta, at))) for at in some)  # type: ignore[misc]
+
+
+def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
+    """Both angles of the light, [RH02] appendix C: more nodes where two sets of them do not agree."""
+    # With either set the lobe as expanded about R or its own center is exact to 1e-5 (relative RMS); low
+    # orders need fewer azimuths, unless the lobe lies far from the center.
+    low = P <= 3 and L <= 32 and lobe.center != "normal"
+    # Beyond P, for the energy of all azimuths, which order selection needs
+    Q = min(L, max(P, 8 if low else 24))
+    # g holds more orders than P. The table of the lobe center is smooth in pieces only: from 54 views on,
+    # more of them change nothing above 1e-5.
+    views = max(54, 12 + (6 * P + L) // 3)
+    found = _projected(lobe, L, P, Q, views, K=20 if low else 32, least=8)
+    if found.quadrature_error > _ROUGH:
+        return _projected(lobe, L, P, Q, max(views, 64), K=48, least=24)
+    return found
+
+
+_LEAST_DEGREE = 30
+"""Nodes are for at least this degree: what a sharp lobe has beyond L must not be taken for what is below."""
+
+_ROUGH = 1e-6
+"""The quadrature error above which a lobe is taken to have jumps, and gets more nodes."""
+
+
+def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, least: int) -> LobeAnalysis:
+    # Gauss in theta_v, in which g is smooth, with the measure cos^2(theta_v) uniform
+    x, w = unit_gauss(views)
+    theta_v = np.pi / 2 * x
+    weight = np.pi / 2 * w * np.sin(2 * theta_v)
+    # `function` is the same object for every L, so that the center is found once
+    measured, width = lobe_center(lobe.function)
+    gamma = measured if lobe.center == "lobe" else gamma_table(lobe.center)
+    at_view = gamma_at(gamma, theta_v)
+    resolved = max(L, _LEAST_DEGREE)
+    nodes = horizon_quadrature(at_view, width, resolved, K, least)
+    g, energy = _project(tabulate(lobe.transfer, theta_v, at_view, nodes), nodes, L, Q)
+
+    # The same by other nodes at every eighth view: what smooth lobes agree on and jumps do not
+    few = np.arange(3, views, 8)
+    others = horizon_quadrature(at_view[few], width, resolved, K + 7, least + 3)
+    other, _ = _project(tabulate(lobe.transfer, theta_v[few], at_view[few], others), others, L, Q)
+    difference = np.einsum("cql,q->", (g[..., few] - other) ** 2 @ weight[few], _multiplicity(Q))
+    whole = float((energy[:, few] @ weight[few]).sum())
+    error = float(difference / whole) if whole > 0 else 0.0
+    return LobeAnalysis(
+        lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight, P, error
+    )
+
+
+def _width(profile: Callable[[FloatArray], FloatArray]) -> float:
+    """Angle from the center within which half the energy of a profile of theta_i lies, radians."""
+    nodes = whole_quadrature(1e-3, 0)
+    energy = (columns(profile(nodes.theta_i[0])) ** 2).sum(axis=-1) * nodes.weight_theta[0]
+    inside = np.cumsum(energy)
+    if inside[-1] <= 0:
+        return 0.5
+    return float(np.clip(nodes.theta_i[0][np.searchsorted(inside, inside[-1] / 2)], 1e-3, 0.8))
+
+
+def _project(table: FloatArray, nodes: Quadrature, L: int, Q: int) -> tuple[FloatArray, FloatArray]:
+    return _core.project(
+        rho_hat=np.ascontiguousarray(table, dtype=np.float64),
+        theta_i=nodes.theta_i,
+        weight_theta=nodes.weight_theta,
+        arc=nodes.arc,
+        share=nodes.share,
+        weight_share=nodes.weight_share,
+        L=L,
+        Q=Q,
+    )
+
+
+def _multiplicity(Q: int) -> FloatArray:
+    """U_q: 1 for q = 0, else 2."""
+    return np.where(np.arange(Q + 1) == 0, 1.0, 2.0)

@@ -1,0 +1,265 @@
+"""Relighting: a reflection map that follows its light.
+
+What depends on the sizes, the orders and the material alone is made once. A frame then takes an analysis (or
+none, if the light has only turned: its coefficients are rotated), a product and a synthesis [RH02 section
+6.1, appendix C].
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core, sh
+from shrm.arrays import Float16Array, Float32Array, FloatArray
+from shrm.brdf import BRDF
+from shrm.brdf.lobe import Center
+from shrm.environment import Environment
+from shrm.frequency.analysis import LobeAnalysis
+from shrm.frequency.orders import F_MAX, P_MAX, Criterion, analysed, analysis_degree
+from shrm.frequency.prefilter import Window, predicted_error, predicted_split_error, prefilter_split, windowed
+from shrm.frequency.reflection_map import Part, ReflectionMap
+from shrm.frequency.rings import Layout, empty_halves, require_half_range
+from shrm.validation import rotation as checked_rotation
+
+
+class Prefilter:
+    """A prefiltered environment that is updated in place.
+
+    Parameters
+    ----------
+    env : Environment
+        The first light; later ones have its size.
+    brdf : BRDF
+        The material.
+    tolerance, orders, criterion, size, layout, center, F_max, P_max, window, clamp, half, residual
+        As in `shrm.prefilter`. A tolerance chooses the orders, and what is split off, for the first light;
+        later ones keep them.
+
+    Attributes
+    ----------
+    map : ReflectionMap
+        The reflection map of the last update. What updates return shares this object's memory: the next one
+        overwrites the maps. `error` is predicted for the light and material it was made from.
+
+    Notes
+    -----
+    One thread at a time may update it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `shrm.prefilter`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from shrm import Environment, Prefilter, brdf
+    >>> env = Environment.daylight(size=64)
+    >>> relit = Prefilter(env, brdf.GGX(0.3), orders=(12, 2), size=16, layout="cube")
+    >>> turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    >>> relit.update(rotation=turn).at_view([0.0, 0.0, 1.0]).shape
+    (6, 16, 16, 3)
+    """
+
+    def __init__(
+        self,
+        env: Environment,
+        brdf: BRDF,
+        *,
+        tolerance: float = 0.05,
+        orders: tuple[int, int] | None = None,
+        criterion: Criterion = "light",
+        size: int | None = None,
+        layout: Layout = "latlong",
+        center: Center | None = None,
+        F_max: int = F_MAX,
+        P_max: int = P_MAX,
+        window: Window | None = None,
+        clamp: bool = False,
+        half: bool = False,
+        residual: Literal["auto"] | None = None,
+    ) -> None:
+        self.map, self._split, self._of_cores = prefilter_split(
+            env,
+            brdf,
+            tolerance=tolerance,
+            orders=orders,
+            criterion=criterion,
+            size=size,
+            layout=layout,
+            center=center,
+            F_max=F_max,
+            P_max=P_max,
+            window=window,
+            clamp=clamp,
+            half=half,
+            residual=residual,
+        )
+        self._env = env
+        self._center = center
+        self._material = brdf if center is None else brdf.recentered(center)
+        self._criterion: Criterion = criterion
+        self._window: Window | None = window
+        self._F_max = F_max
+        # The analysis that prefilter made, and the one that other materials get.
+        self._analysed = (analysis_degree(self.map.F, F_max), P_max) if orders is None else orders
+        H, W, _ = env.pixels.shape
+        self._analysis = sh.Plan(H, W, self.map.F, areas=True)
+        self._light = env.coefficients(self.map.F).copy()
+        self._next_light = np.empty_like(self._light)
+        self._rotation: FloatArray | None = None
+        self._rotate = _core.Rotation(F=self.map.F, channels=3)
+        self._rotated = np.empty_like(self._light)
+        self._plans = [_LobePlan(part) for part in self.map.parts]
+
+    def update(
+        self,
+        env: Environment | None = None,
+        *,
+        rotation: npt.ArrayLike | None = None,
+        brdf: BRDF | None = None,
+    ) -> ReflectionMap:
+        """Make the map anew from what has changed; what is not given stays.
+
+        Parameters
+        ----------
+        env : Environment, optional
+            Another light, of the same size, not rotated unless `rotation` says so.
+        rotation : (3, 3) array_like, optional
+            Rotates the last environment that was given, L'(w) = L(R^T w), as `Environment.rotated` but in the
+            coefficients: no texel is touched. It replaces an earlier rotation.
+        brdf : BRDF, optional
+            Another material, with lobes of the same kinds about the same centers; not beside a residual.
+
+        Returns
+        -------
+        ReflectionMap
+            The attribute `map`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If the light has another size, R is no rotation, the material has other lobes or there is a
+            residual, or half floats do not reach the values of the new maps. The map stays as it was.
+        """
+        if env is not None and not isinstance(env, Environment):
+            raise TypeError(f"env must be an Environment, got {type(env).__name__}")
+        if env is not None and env.pixels.shape != self._env.pixels.shape:
+            raise ValueError(f"env must have the shape {self._env.pixels.shape}, got {env.pixels.shape}")
+        R = self._rotation if env is None else None
+        if rotation is not None:
+            R = checked_rotation("rotation", rotation).copy()
+        if brdf is not None and self._split is not None:
+            raise ValueError(
+                "brdf cannot change beside a residual, which is split off for one: prefilter anew"
+            )
+        material = self._material if brdf is None else self._of_the_same_kind(brdf)
+
+        light = self._light
+        if env is not None:
+            light = self._analysis.analysis(env.pixels, out=self._next_light)
+        rotated = light
+        if R is not None:
+            self._rotate.run(light, R, self._rotated)
+            rotated = self._rotated
+        tables = [(plan.part.gamma, plan.part.rho) for plan in self._plans]
+        if brdf is not None:
+            lobes = analysed(material, *self._analysed)
+            pairs = zip(self._plans, lobes, strict=True)
+            tables = [plan.tables_of(lobe, self._window) for plan, lobe in pairs]
+        for plan, (_, rho) in zip(self._plans, tables, strict=True):
+            plan.compute(rotated, rho)
+
+        # Nothing is refused any more.
+        if env is not None:
+            self._env, self._light, self._next_light = env, light, self._light
+        self._rotation, self._material = R, material
+        parts = tuple(
+            plan.keep(rotated, gamma, rho) for plan, (gamma, rho) in zip(self._plans, tables, strict=True)
+        )
+        predict: Callable[[], float] = partial(
+            predicted_error, self._env, material, parts, self._criterion, self._window, self._F_max
+        )
+        residual = self.map.residual
+        if self._split is not None:
+            predict = partial(predicted_split_error, self._env, self._split, parts, self._of_cores)
+        if residual is not None:
+            residual = residual if env is None else residual.relit(env.pixels)
+            residual = residual.rotated(np.eye(3) if R is None else R)
+        self.map = replace(self.map, parts=parts, brdf=material.name, predict=predict, residual=residual)
+        return self.map
+
+    def _of_the_same_kind(self, brdf: BRDF) -> BRDF:
+        """Return another material about this one's centers; ValueError if its lobes are of other kinds."""
+        if not isinstance(brdf, BRDF):
+            raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
+        material = brdf if self._center is None else brdf.recentered(self._center)
+        kinds = [(type(lobe), lobe.center) for lobe in material.lobes]
+        if kinds != [(type(lobe), lobe.center) for lobe in self._material.lobes]:
+            raise ValueError(f"brdf must have lobes as those of {self._material!r}, got {material!r}")
+        return material
+
+
+class _LobePlan:
+    """The maps of one lobe, in memory that is used again.
+
+    An update computes the maps of all lobes, then keeps them; what is refused is refused in between, and
+    maps that are kept as half floats are still the last ones.
+
+    Attributes
+    ----------
+    part : Part
+        What was kept last.
+    """
+
+    def __init__(self, part: Part) -> None:
+        self.part = part
+        H, maps, _, W = part.rings.shape
+        J = part.F if part.zonal else part.F + part.P
+        self._product = _core.MapCoefficients(F=part.F, P=part.P, channels=3, zonal=part.zonal)
+        self._rho: FloatArray | None = None  # what _product holds
+        self._coefficients = np.empty((sh.basis_size(J), maps, 3))
+        self._synthesis: _core.CubeSynthesis | _core.Synthesis
+        if part.layout == "cube":
+            self._synthesis = _core.CubeSynthesis(N=part.size, channels=3 * maps, F=J)
+        else:
+            self._synthesis = _core.Synthesis(H=H, W=W, channels=3 * maps, F=J)
+        self._rings = np.empty((H, maps, 3, W), dtype=np.float32)
+        half = part.rings.dtype == np.float16
+        self._halves = empty_halves(part.rings.shape, part.layout) if half else None
+
+    def tables_of(self, lobe: LobeAnalysis, window: Window | None) -> tuple[FloatArray, FloatArray]:
+        """Return gamma and rho of another lobe of the same kind."""
+        return lobe.gamma, windowed(lobe, self.part.F, self.part.P, window)
+
+    def compute(self, light: FloatArray, rho: FloatArray) -> None:
+        """Make the maps for light of degree F or more; ValueError if half floats do not reach them."""
+        if rho is not self._rho:
+            self._product.set_material(rho)
+            self._rho = rho
+        self._product.run(light[: sh.basis_size(self.part.F)], self._coefficients)
+        H, maps, _, W = self._rings.shape
+        flat = self._coefficients.reshape(len(self._coefficients), 3 * maps)
+        self._synthesis.run(flat, self._rings.reshape(H, 3 * maps, W))
+        if self._halves is not None:
+            require_half_range(self._rings)
+
+    def keep(self, light: FloatArray, gamma: FloatArray, rho: FloatArray) -> Part:
+        """Return the maps computed, with what they were computed from."""
+        rings: Float32Array | Float16Array = self._rings
+        if self._halves is not None:
+            _core.to_half(self._rings, self._halves)
+            rings = self._halves
+        own_light = light[: sh.basis_size(self.part.F)].copy()
+        self.part = replace(self.part, light=own_light, gamma=gamma, rho=rho, rings=rings)
+        return self.part

@@ -1,0 +1,422 @@
+"""Reflected light by direct integration over the environment: the rival and the judge.
+
+`prefilter_angular` is prefiltering as it was done before frequency space, in C++; `integrate` is the plain
+sum in float64 numpy, without a table, for whoever wants an answer to trust. Neither uses spherical harmonics.
+Both hold the environment constant over each texel.
+
+The method and its cost (eq. 10, against eq. 9 in frequency space): Ramamoorthi & Hanrahan, "Frequency Space
+Environment Map Rendering", ACM TOG 21(3), 2002 ([RH02]), sections 6 and 7.4, table 3, appendix D.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core
+from shrm.arrays import Float32Array, FloatArray
+from shrm.environment import layouts
+from shrm.integrate.angular_lobes import (
+    LobeIntegral,
+    RadialIntegral,
+    above_horizon,
+    kind_of,
+    lobe_integral,
+    local_frames,
+)
+from shrm.validation import fraction, one_of, real_array, unit_vectors, whole_number
+
+LARGEST_SUBSAMPLES = 16
+LARGEST_CUT = 2048
+"""Columns of a picture whose texels are cut for narrow lobes."""
+
+
+class Environment(Protocol):
+    """What is needed of an environment: its lat-long picture (H, W, 3), float32."""
+
+    @property
+    def pixels(self) -> Float32Array:
+        """Radiance."""
+
+
+class Lobe(Protocol):
+    """What is needed of a lobe; radial and zonal ones also have a `profile`."""
+
+    @property
+    def center(self) -> str:
+        """Center: "lobe", "reflection", "normal" or "tangent"."""
+
+    def transfer(self, wi: FloatArray, wo: FloatArray, /) -> FloatArray:
+        """rho_hat, the cosine included."""
+
+
+class Material(Protocol):
+    """What is needed of a material."""
+
+    @property
+    def lobes(self) -> Sequence[Any]:
+        """Lobes, whose sum it is."""
+
+
+# ---- The exact answer
+
+
+def integrate(
+    env: Environment,
+    brdf: Material,
+    normals: npt.ArrayLike,
+    views: npt.ArrayLike,
+    tangents: npt.ArrayLike | None = None,
+    *,
+    subsamples: int = 1,
+) -> FloatArray:
+    """Reflected radiance as a sum over texels in float64, the BRDF itself evaluated at every one.
+
+    Slow, some 1e7 texels per second, and simple enough to be read and believed.
+
+    Parameters
+    ----------
+    env : Environment
+        Its pixels (H, W, 3) are held constant over each texel.
+    brdf : material
+        Any object with `lobes`.
+    normals, views, tangents : (n, 3) array_like
+        Unit vectors in the world frame; views point from the surface to the eye, and one view (3,) may serve
+        all normals. Tangents are needed for lobes about the tangent and for anisotropic ones, whose frames
+        have x along the tangent's part square to the normal; others ignore them.
+    subsamples : int
+        Each texel is sampled by subsamples^2 Gauss nodes, in [1, 16].
+
+    Returns
+    -------
+    (n, 3) float64
+        Radiance. Where N.V < 0, -N takes the place of N about the reflection, which it leaves as it is; about
+        the lobe or the normal the view is brought back to the horizon.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not as described.
+    """
+    pixels = pixels_of(env)
+    n, v, t = queries(brdf.lobes, normals, views, tangents)
+    nodes, power = _nodes(pixels, whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES))
+    result = np.zeros((len(n), 3))
+    for lobe in brdf.lobes:
+        kind = kind_of(lobe)
+        axes, seen_from = (t, v) if lobe.center == "tangent" else (n, v)
+        if kind in ("isotropic", "anisotropic"):
+            axes, seen_from = above_horizon(lobe.center, n, v)
+        for k, frame in enumerate(local_frames(axes, t if kind == "anisotropic" else seen_from)):
+            wo = np.tile(seen_from[k] @ frame, (_CHUNK, 1))
+            for start in range(0, len(nodes), _CHUNK):
+                wi = nodes[start : start + _CHUNK] @ frame
+                rho = lobe.transfer(wi, wo[: len(wi)])
+                light = power[start : start + _CHUNK]
+                # [RH02] eq. 1 in the form of eq. 2; the view comes from the world's frame, eq. 3
+                result[k] += rho @ light if rho.ndim == 1 else np.einsum("nc,nc->c", rho, light)
+    return result
+
+
+_CHUNK = 16384
+
+
+def _nodes(pixels: Float32Array, k: int) -> tuple[FloatArray, FloatArray]:
+    """Directions (H W k k, 3) and radiance times solid angle, of the texels that are not black."""
+    H, W, _ = pixels.shape
+    x, w = np.polynomial.legendre.leggauss(k)
+    theta = np.pi / H * (np.arange(H)[:, None] + (1 + x) / 2)
+    weight = w * np.sin(theta)
+    edges = np.cos(np.pi / H * np.arange(H + 1))
+    weight *= ((edges[:-1] - edges[1:]) * 2 * np.pi / W / weight.sum(axis=1))[:, None]
+    phi = np.pi - 2 * np.pi / W * (np.arange(W)[:, None] + (1 + x) / 2)
+    i, j = np.nonzero(np.any(pixels != 0, axis=2))
+    t, p = theta[i][:, :, None], phi[j][:, None, :]
+    directions = np.stack(
+        np.broadcast_arrays(np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)), axis=-1
+    )
+    area = weight[i][:, :, None] * (w / 2)
+    power = area[..., None] * pixels[i, j].astype(np.float64)[:, None, None, :]
+    return directions.reshape(-1, 3), power.reshape(-1, 3)
+
+
+# ---- Prefiltering
+
+
+def prefilter_angular(
+    env: Environment,
+    brdf: Material,
+    *,
+    tolerance: float = 0.0,
+    size: int | None = None,
+    layout: str = "latlong",
+    center: str | None = None,
+    subsamples: int | None = None,
+    symmetry: bool = True,
+) -> AngularReflection:
+    """Prepare direct integration of an environment under a material.
+
+    Nothing is integrated yet: the result's `radiance` integrates each query, its `at_view` a whole map.
+
+    Parameters
+    ----------
+    env : Environment
+        Its pixels (H, W, 3) are held constant over each texel.
+    brdf : material
+        Any object with `lobes`.
+    tolerance : float
+        Fraction of each lobe's integral that may be left out at its rim, in [0, 1): the sum visits only the
+        cap (about a tangent, the band) that holds the rest [RH02 appendix D]. 0 visits all, but for texels
+        where a radial lobe is less than 1e-12 of its maximum.
+    size : int, optional
+        Rows of the maps for "latlong" (twice as many columns; default 128), or the edge of a face for "cube"
+        (default 64).
+    layout : {"latlong", "cube"}
+        Layout of the maps.
+    center : {"lobe", "reflection", "normal"}, optional
+        Direction that the maps of isotropic lobes are indexed by, in place of the lobe's own. Radiance does
+        not depend on it.
+    subsamples : int, optional
+        Each texel is sampled by subsamples^2 Gauss nodes, in [1, 16]. Default: as many as put nodes closer
+        than a quarter of the narrowest lobe's width, at least 2, the texels themselves cut where 16 do not
+        suffice; error about 1e-3 or less, or a warning.
+    symmetry : bool
+        Whether work is shared where it is the same: for lat-long maps of radial lobes, the weights of the
+        texels are found once for each row of the map and slid along it; for lobes of the half angle, the half
+        vectors are found once for the pixels that have one view, where there are enough of them and the table
+        fits a cache. False finds angle and lobe anew for every
+        pair of a pixel and a texel, which is the prefiltering that [RH02] section 7.4 compares with. The
+        maps are the same.
+
+    Returns
+    -------
+    AngularReflection
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not as described.
+    """
+    pixels = pixels_of(env)
+    tolerance = fraction("tolerance", tolerance)
+    one_of("layout", layout, DEFAULT_SIZE)
+    if center is not None:
+        one_of("center", center, ("lobe", "reflection", "normal"))
+    edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
+    if subsamples is not None:
+        subsamples = whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES)
+    if not isinstance(symmetry, bool):
+        raise TypeError(f"symmetry must be True or False, got {symmetry!r}")
+    parts = [lobe_integral(lobe, tolerance, center, symmetry) for lobe in brdf.lobes]
+    if not parts:
+        raise ValueError("brdf has no lobes, but needs at least one")
+    return AngularReflection(pixels, parts, edge, layout, subsamples, symmetry)
+
+
+DEFAULT_SIZE = {"latlong": 128, "cube": 64}
+
+
+class AngularReflection:
+    """Reflected radiance of one environment under one material, by direct integration.
+
+    Made by `prefilter_angular`.
+
+    Attributes
+    ----------
+    error : float
+        Largest relative root mean square error, over the lobes, of interpolation in their tables. The sum
+        itself runs in float32 along rows and in float64 across.
+    subsamples : int
+        Nodes along each side of a texel.
+    size : int
+        Rows of a lat-long map, or the edge of a cube's face.
+    layout : {"latlong", "cube"}
+        Layout of the maps.
+    """
+
+    def __init__(
+        self,
+        pixels: Float32Array,
+        parts: Sequence[LobeIntegral],
+        size: int,
+        layout: str,
+        subsamples: int | None,
+        symmetry: bool,
+    ):
+        H, W, _ = pixels.shape
+        if subsamples is None:
+            narrowest = min(part.width for part in parts)
+            spacing = max(np.pi / H, 2 * np.pi / W)
+            needed = max(2, int(np.ceil(4 * spacing / narrowest)))
+            # Texels may be cut in smaller ones of the same radiance where their own nodes do not suffice.
+            cut = min(-(-needed // LARGEST_SUBSAMPLES), max(1, LARGEST_CUT // max(H, W)))
+            pixels = pixels.repeat(cut, axis=0).repeat(cut, axis=1)
+            H, W = cut * H, cut * W
+            subsamples = min(-(-needed // cut), LARGEST_SUBSAMPLES)
+            if cut * subsamples < needed:
+                warnings.warn(
+                    f"a lobe {narrowest:.1g} rad wide is narrower than what the nodes resolve: up to"
+                    f" {spacing / (cut * subsamples):.1g} rad between them",
+                    stacklevel=3,
+                )
+        columns = np.arange(2 * W + _core.ANGULAR_LANES) % W
+        # cos(i pi/H) - cos((i+1) pi/H) without cancellation, times 2 pi/W
+        solid_angle = 4 * np.pi / W * np.sin(np.pi * (np.arange(H) + 0.5) / H) * np.sin(0.5 * np.pi / H)
+        power = (pixels * solid_angle[:, None, None]).astype(np.float32)
+        self._picture: dict[str, Any] = {
+            "planes": np.ascontiguousarray(power.transpose(2, 0, 1)[:, :, columns]),
+            "subsamples": subsamples,
+        }
+        self._parts = tuple(parts)
+        self._symmetry = symmetry
+        self._directions = map_directions(layout, size)
+        self._radial_maps: dict[int, Float32Array] = {}
+        self.error = max(part.error for part in parts)
+        self.subsamples = subsamples
+        self.size = size
+        self.layout = layout
+
+    def radiance(
+        self, normals: npt.ArrayLike, views: npt.ArrayLike, tangents: npt.ArrayLike | None = None
+    ) -> Float32Array:
+        """Reflected radiance, each query integrated.
+
+        Parameters
+        ----------
+        normals, views, tangents : (n, 3) array_like
+            As in `integrate`.
+
+        Returns
+        -------
+        (n, 3) float32
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not as described.
+        """
+        n, v, t = queries(self._parts, normals, views, tangents)
+        result = np.zeros((len(n), 3), dtype=np.float32)
+        for part in self._parts:
+            result += part.radiance(self._picture, n, v, t)
+        return result
+
+    def at_view(self, view: npt.ArrayLike) -> Float32Array | dict[str, Float32Array]:
+        """Reflection map for one distant viewer: radiance against the central direction.
+
+        Parameters
+        ----------
+        view : (3,) array_like
+            Unit vector to the eye.
+
+        Returns
+        -------
+        (size, 2 size, 3) or (6, size, size, 3) float32, or {center: map}
+            One map for each center among the lobes; a dictionary if there are several. Directions of the
+            lobe center that no visible normal has show the normal at the silhouette.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `view` is not a unit vector.
+        """
+        v = unit_vectors("view", view, 1)[0]
+        maps: dict[str, Float32Array] = {}
+        for k, part in enumerate(self._parts):
+            layer = self._radial_map(k, part) if isinstance(part, RadialIntegral) else self._map(part, v)
+            maps[part.center] = maps[part.center] + layer if part.center in maps else layer
+        return next(iter(maps.values())) if len(maps) == 1 else maps
+
+    def maps(self, T: int) -> Float32Array | dict[str, Float32Array]:
+        """Explicit reflection maps for T x T views, [RH02] appendix C.
+
+        Parameters
+        ----------
+        T : int
+            View (a, b) has the colatitude (a + 1/2) pi/T and the azimuth pi - 2 pi (b + 1/2)/T.
+
+        Returns
+        -------
+        (T, T) + the shape of a map, float32, or {center: such an array}
+
+        Raises
+        ------
+        TypeError, ValueError
+            If T is not a whole number in [1, 1024].
+        """
+        T = whole_number("T", T, 1, 1024)
+        theta, phi = np.meshgrid(
+            (np.arange(T) + 0.5) * np.pi / T, np.pi - (np.arange(T) + 0.5) * 2 * np.pi / T, indexing="ij"
+        )
+        views = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
+        results = [self.at_view(view) for view in views.reshape(-1, 3)]
+
+        def gathered(maps: Sequence[Any]) -> Float32Array:
+            return np.stack(maps).reshape(T, T, *self._directions.shape)
+
+        several = [maps for maps in results if isinstance(maps, dict)]
+        if several:
+            return {center: gathered([maps[center] for maps in several]) for center in several[0]}
+        return gathered(results)
+
+    def _radial_map(self, k: int, part: RadialIntegral) -> Float32Array:
+        """The map of a radial lobe, the same for all views: computed once."""
+        if k not in self._radial_maps:
+            C = self._directions
+            if self.layout == "latlong":
+                self._radial_maps[k] = part.map(self._picture, C.shape[0], C.shape[1], self._symmetry)
+            else:
+                flat = part.about(self._picture, np.ascontiguousarray(C.reshape(-1, 3)))
+                self._radial_maps[k] = flat.reshape(C.shape)
+        return self._radial_maps[k].copy()
+
+    def _map(self, part: LobeIntegral, view: FloatArray) -> Float32Array:
+        C = np.ascontiguousarray(self._directions.reshape(-1, 3))
+        views = np.ascontiguousarray(np.broadcast_to(view, C.shape))
+        normals = part.normals(C, views)
+        return part.radiance(self._picture, normals, views, C).reshape(self._directions.shape)
+
+
+# ---- Directions
+
+
+def map_directions(layout: str, size: int) -> FloatArray:
+    """Texel directions: (size, 2 size, 3), or (6, size, size, 3) as the layout `strip` has them."""
+    if layout == "latlong":
+        return layouts.directions("latlong", size, 2 * size)
+    return layouts.directions("strip", 6 * size, size).reshape(6, size, size, 3)
+
+
+# ---- At the door
+
+
+def pixels_of(env: Environment) -> Float32Array:
+    """The picture of an environment, (H, W, 3), contiguous."""
+    if not hasattr(env, "pixels"):
+        raise TypeError(f"env must be an Environment, got {type(env).__name__}")
+    pixels = real_array("env.pixels", env.pixels)
+    if pixels.ndim != 3 or pixels.shape[2] != 3 or 0 in pixels.shape:
+        raise ValueError(f"env.pixels must have the shape (H, W, 3), got {pixels.shape}")
+    return np.ascontiguousarray(pixels, dtype=np.float32)
+
+
+def queries(
+    lobes: Sequence[Any],
+    normals: npt.ArrayLike,
+    views: npt.ArrayLike,
+    tangents: npt.ArrayLike | None,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Checked directions, each (n, 3); normals stand in for tangents that no lobe needs."""
+    n = unit_vectors("normals", normals)
+    v = unit_vectors("views", views, len(n))
+    if tangents is not None:
+        return n, v, unit_vectors("tangents", tangents, len(n))
+    if any(lobe.center == "tangent" or kind_of(lobe) == "anisotropic" for lobe in lobes):
+        raise ValueError(
+            "tangents are None, but a lobe about the tangent needs them, as does an anisotropic one: (n, 3)"
+        )
+    return n, v, n

@@ -1,0 +1,281 @@
+"""One lobe ready for hierarchical prefiltering: its table, and where it must be looked for.
+
+The difference of a lobe between a node and its children says how far to descend [KVHS00 section 5.1], but for
+lobes so narrow that no sample meets them: near where most of a lobe lies nodes are split until they are small
+against it. The tables are those of direct integration.
+
+References
+----------
+[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
+    Maps. Eurographics Workshop on Rendering 2000.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, cast
+
+import numpy as np
+
+from shrm import _core
+from shrm.arrays import Float32Array, FloatArray
+from shrm.brdf.lobe import Center, IsotropicLobe, refuse_anisotropic
+from shrm.integrate import tables as lobe_tables
+from shrm.integrate.angular_lobes import (
+    above_horizon,
+    across,
+    bisector,
+    central_directions,
+    for_all_views,
+    kind_of,
+    normals_at,
+)
+from shrm.integrate.radial_table import NOTHING, Profile, integral_within, radial_table
+from shrm.integrate.tables import Transfer
+from shrm.lobes.center import gamma_at, gamma_table, lobe_center
+from shrm.lobes.split import SplitFunction
+from shrm.validation import one_of
+
+LEFT_OUT = 0.05
+"""Of a lobe's integral, at most: within the angle that holds the rest nodes are small, and see the lobe."""
+FINEST = 4.0
+"""How small at least, in angles that hold half of the lobe; smaller, as is LEFT_OUT, for lower thresholds."""
+FINEST_ISOTROPIC = 8.0
+"""The same for the angle that holds half of the square, of the narrowest view."""
+FINEST_ZONAL = 8.0
+"""The same for half the width of a ring about C, which nodes see somewhere along it."""
+
+
+class LobeDescent(Protocol):
+    """A lobe that can be prefiltered by descent.
+
+    Attributes
+    ----------
+    center : {"lobe", "reflection", "normal", "tangent"}
+        Direction that its maps are indexed by.
+    depends_on_view : bool
+        Whether its maps differ from view to view.
+    """
+
+    @property
+    def center(self) -> str: ...  # noqa: D102
+
+    @property
+    def depends_on_view(self) -> bool: ...  # noqa: D102
+
+    def radiance(
+        self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
+    ) -> tuple[Float32Array, float]:
+        """Reflected radiance (n, 3) for normals, views and tangents (n, 3), and evaluations for each."""
+
+    def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
+        """Normals (n, 3) whose centers, seen from v, are `centers`; a tangent lobe has none to find."""
+
+    def theta_o(self, cos2: FloatArray) -> FloatArray:
+        """Angles between C and V for cos^2(theta_v), (n,): if that is uniform, so are frames."""
+
+
+def lobe_descent(lobe: Any) -> LobeDescent:
+    """Tabulate a lobe of any kind; an anisotropic one is refused."""
+    refuse_anisotropic(lobe)
+    kind = kind_of(lobe)
+    if kind == "radial":
+        return RadialDescent.of(lobe.center, lobe.profile)
+    if kind == "zonal":
+        return ZonalDescent(lobe.center, lobe.profile)
+    return IsotropicDescent.of(lobe.center, lobe.transfer)
+
+
+@dataclass(frozen=True, eq=False)
+class RadialDescent:
+    """A lobe of fixed shape about R or N: arrays alone, so that it can be stored.
+
+    Attributes
+    ----------
+    center : {"reflection", "normal"}
+    values, shift, scale, support, integral, width
+        Of its `RadialTable`.
+    within : (1025, 2) float64
+        Angles, and the part of the integral within each, from 1 - LEFT_OUT to 1.
+    """
+
+    depends_on_view: ClassVar[bool] = False
+    center: str
+    values: Float32Array
+    shift: int
+    scale: float
+    support: float
+    integral: float
+    width: float
+    within: FloatArray
+
+    @classmethod
+    def of(cls, center: str, profile: Profile) -> RadialDescent:
+        """Tabulate a profile."""
+        one_of("center of a radial lobe", center, ("reflection", "normal"))
+        table = radial_table(profile, LEFT_OUT)
+        angle, within = integral_within(profile)
+        # dense where little is left
+        left_out = LEFT_OUT * (np.arange(1025)[::-1] / 1024) ** 4
+        found = np.stack([np.interp(1 - left_out, within, angle), 1 - left_out], axis=1)
+        return cls(
+            center, table.values, table.shift, table.scale, table.support, table.integral, table.width, found
+        )
+
+    def radiance(
+        self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
+    ) -> tuple[Float32Array, float]:
+        """Reflected radiance; see `LobeDescent`."""
+        left_out = min(LEFT_OUT, max(threshold, 1e-6))
+        return _core.hierarchical_radial(
+            pyramid=pyramid,
+            profile=self.values,
+            shift=self.shift,
+            scale=self.scale,
+            support=self.support,
+            outer=float(np.interp(1.0 - left_out, self.within[:, 1], self.within[:, 0])),
+            **_depth(threshold, self.integral, FINEST * self.width),
+            centres=central_directions(self.center, n, v, t),
+        )
+
+    def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
+        """Normals of centers; see `LobeDescent`."""
+        return centers if self.center == "normal" else bisector(centers, v)
+
+    def theta_o(self, cos2: FloatArray) -> FloatArray:
+        """Angles of views, on which nothing depends; see `LobeDescent`."""
+        return np.asarray(np.arccos(np.sqrt(cos2)))
+
+
+class ZonalDescent:
+    """A lobe that depends on two angles from its center."""
+
+    depends_on_view = True
+
+    def __init__(self, center: str, profile: Callable[[FloatArray, FloatArray], FloatArray]) -> None:
+        self.center = one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
+        table = lobe_tables.zonal_table(for_all_views(center, profile), LEFT_OUT)
+        self._width, self._integral = table.width, table.integral
+        self._table: dict[str, Any] = {
+            "profiles": table.values,
+            "bands": table.bands,
+            "supports": table.supports(NOTHING),
+        }
+
+    def radiance(
+        self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
+    ) -> tuple[Float32Array, float]:
+        """Reflected radiance; see `LobeDescent`."""
+        axes = central_directions(self.center, n, v, t)
+        return _core.hierarchical_zonal(
+            pyramid=pyramid,
+            **self._table,
+            **_depth(threshold, self._integral, FINEST_ZONAL * self._width),
+            axes=axes,
+            theta_o=across(axes, v)[1],
+        )
+
+    def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
+        """Normals of centers; see `LobeDescent`."""
+        return bisector(centers, v) if self.center == "reflection" else centers
+
+    def theta_o(self, cos2: FloatArray) -> FloatArray:
+        """Angles of views; see `LobeDescent`. About the tangent they are uniform on the sphere."""
+        if self.center == "normal":
+            return np.asarray(np.arccos(np.sqrt(cos2)))
+        return np.asarray(np.arccos(2 * cos2 - 1))
+
+
+@dataclass(frozen=True, eq=False)
+class IsotropicDescent:
+    """Any other lobe, cut at the horizon of N: arrays alone, so that it can be stored.
+
+    Attributes
+    ----------
+    center : {"lobe", "reflection", "normal"}
+    gamma : (257,) float64
+        The angle between C and N over theta_v, radians.
+    width : float
+        Angle that holds half of the square, for the narrowest view: where light at the horizon has most of
+        the integral, the highlight is narrower.
+    envelope : (1 or channels, intervals + 2) float32
+    ratio
+        Of its `lobe_tables.IsotropicTable`, or of the lobe it is part of, see `lobe_tables.channel_tables`.
+    caps, integral
+        Of its `lobe_tables.IsotropicTable`.
+    above, below : float
+        Heights between which the lobe is, of the tabulated one (`shrm.lobes.split`): its core at the first,
+        then the smooth part of that at the second. Whole lobes are between 0 and infinity.
+    """
+
+    depends_on_view: ClassVar[bool] = True
+    center: str
+    gamma: FloatArray
+    width: float
+    envelope: Float32Array
+    ratio: Float32Array
+    caps: FloatArray
+    integral: float
+    above: float = 0.0
+    below: float = float("inf")
+
+    @classmethod
+    def of(cls, center: str, transfer: Transfer) -> IsotropicDescent:
+        """Tabulate a lobe."""
+        one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+        table = lobe_tables.isotropic_table(transfer, LEFT_OUT)
+        envelope = table.envelope[None]
+        gamma = gamma_table(cast(Center, center), transfer)
+        width = lobe_center(transfer)[1]
+        return cls(center, gamma, width, envelope, table.ratio, table.caps, table.integral)
+
+    @classmethod
+    def of_core(cls, lobe: IsotropicLobe) -> IsotropicDescent:
+        """Tabulate the core of a lobe, or the smooth part of its core: the table is the lobe's.
+
+        Where a split lobe goes over from one part to the other, its ratio to the mean at a half angle
+        changes with the view within the highlight, where tables of the ratio have few nodes.
+        """
+        core, below = cast(SplitFunction, lobe.function), float("inf")
+        if core.part == "smooth":
+            core, below = cast(SplitFunction, core.whole), core.height
+        envelope, ratio = lobe_tables.channel_tables(core.whole)
+        caps, integral = lobe_tables.caps_and_integral(lobe.transfer, LEFT_OUT)
+        gamma, width = gamma_table(lobe.center, lobe.function), lobe_center(lobe.function)[1]
+        return cls(lobe.center, gamma, width, envelope, ratio, caps, integral, core.height, below)
+
+    def radiance(
+        self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
+    ) -> tuple[Float32Array, float]:
+        """Reflected radiance; see `LobeDescent`."""
+        n, v = above_horizon(self.center, n, v)
+        return _core.hierarchical_isotropic(
+            pyramid=pyramid,
+            envelope=self.envelope,
+            ratio=self.ratio,
+            caps=self.caps,
+            **_depth(threshold, self.integral, FINEST_ISOTROPIC * self.width),
+            normals=n,
+            views=v,
+            above=self.above,
+            below=self.below,
+        )
+
+    def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
+        """Normals of centers; see `LobeDescent`."""
+        return normals_at(self.center, self.gamma, centers, v)
+
+    def theta_o(self, cos2: FloatArray) -> FloatArray:
+        """Angles of views; see `LobeDescent`."""
+        theta_v = np.arccos(np.sqrt(cos2))
+        return np.asarray(theta_v + gamma_at(self.gamma, theta_v))
+
+
+def _depth(threshold: float, integral: float, finest: float) -> dict[str, Any]:
+    """How far to descend, as the core takes it."""
+    return {
+        "threshold": threshold,
+        "integral": integral,
+        "finest": finest * min(1.0, float(np.sqrt(threshold / LEFT_OUT))),
+    }

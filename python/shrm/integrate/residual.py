@@ -1,0 +1,322 @@
+"""What reflection maps of small orders miss: the cores of sharp lobes, integrated or looked up.
+
+A core (`shrm.lobes.split`) as wide as the texels of the light is integrated by descent in a pyramid of them
+(`shrm.integrate.hierarchical`). The texels are areas of one radiance: they are cut for narrower cores, as
+far as
+`LARGEST_CUT`. What is too narrow even then is split off once more and looked up, as a mirror: the light in
+the direction of the lobe's center times the directional albedo.
+
+Everything here is arrays, so that it can be stored with the maps and used without the material.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core
+from shrm.arrays import Float32Array, FloatArray
+from shrm.brdf import directional_albedo
+from shrm.brdf.lobe import Center, IsotropicLobe, Material, RadialLobe
+from shrm.environment.lookup import environment_lookup
+from shrm.integrate.angular_lobes import above_horizon, across, half_width, normals_at
+from shrm.integrate.descent_lobes import IsotropicDescent, RadialDescent
+from shrm.integrate.hierarchical import map_texels
+from shrm.integrate.sampled_frames import Frames
+from shrm.integrate.tables import light_quadrature, view_at, view_nodes, view_place
+from shrm.lobes.center import gamma_at, gamma_table
+from shrm.lobes.split import split
+from shrm.validation import unit_vectors
+
+CoreLobe = IsotropicLobe | RadialLobe
+
+LARGEST_CUT = 2048
+"""Columns of a picture whose texels are cut for narrow cores."""
+CUT_TO, RESOLVED = 2.0, 1.0
+"""How many texels, which count as points, the angle that holds half of a core is to hold, and must hold."""
+THRESHOLDS = (0.05, 0.0125, 0.003)
+"""Of the descent, tried in turn. The first already has nodes small against the lobe."""
+
+
+@dataclass(frozen=True, eq=False)
+class LookUp:
+    """A lobe that reflects as a mirror does.
+
+    Attributes
+    ----------
+    center : {"lobe", "reflection", "normal"}
+    gamma : (257,) float64
+        The angle between the mirrored direction and N over theta_v in [0, pi/2], radians.
+    albedo : (97, channels) float64
+        At the views of `lobe_tables.view_nodes`.
+    """
+
+    center: Center
+    gamma: FloatArray
+    albedo: FloatArray
+
+    @classmethod
+    def of(cls, lobe: CoreLobe) -> LookUp:
+        """Tabulate a lobe."""
+        if isinstance(lobe, RadialLobe):
+            albedo = directional_albedo(Material((lobe,), "core"), [1.0]).repeat(len(view_nodes()), axis=0)
+            return cls(lobe.center, gamma_table(lobe.center), albedo)
+        rows = []
+        for cos_v in np.cos(view_nodes()):
+            wi, weight = light_quadrature(cos_v, 192)
+            rho = lobe.transfer(wi, view_at(cos_v, len(wi)))
+            rows.append(weight @ rho.reshape(len(wi), -1))
+        return cls(lobe.center, gamma_table(lobe.center, lobe.transfer), np.array(rows))
+
+    def radiance(self, pixels: Float32Array, n: FloatArray, v: FloatArray) -> FloatArray:
+        """Reflected radiance (n, 3); light is linear between the texels of a picture (H, W, 3)."""
+        n, v = above_horizon(self.center, n, v)
+        x, theta_v = across(n, v)
+        gamma = gamma_at(self.gamma, theta_v)[:, None]
+        place, nodes = view_place(np.cos(theta_v)), np.arange(len(self.albedo))
+        albedo = np.stack([np.interp(place, nodes, channel) for channel in self.albedo.T], axis=1)
+        return np.asarray(albedo * environment_lookup(pixels, np.cos(gamma) * n - np.sin(gamma) * x))
+
+
+@dataclass(frozen=True, eq=False)
+class Core:
+    """The core of one lobe.
+
+    Attributes
+    ----------
+    center, gamma
+        Of the map it belongs to, which its own maps are indexed like.
+    descent : IsotropicDescent or RadialDescent
+    threshold : float
+        Of the descent.
+    look_up : LookUp or None
+        What is narrower than the texels.
+    """
+
+    center: Center
+    gamma: FloatArray
+    descent: IsotropicDescent | RadialDescent
+    threshold: float
+    look_up: LookUp | None
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """The cores of a material's lobes under one light.
+
+    Attributes
+    ----------
+    pixels : (H, W, 3) float32
+        The light, lat-long.
+    cut : int
+        Parts along each side of a texel.
+    cores : tuple of (str, Core)
+        With the names that `shrm.ReflectionMap.at_view` has for the maps they belong to.
+    layout : {"latlong", "cube"}
+    size : int
+        Of maps.
+    rotation : (3, 3) float64
+        Of the light, L'(w) = L(R^T w).
+    """
+
+    pixels: Float32Array
+    cut: int
+    cores: tuple[tuple[str, Core], ...]
+    layout: str
+    size: int
+    rotation: FloatArray
+
+    def radiance(self, normals: npt.ArrayLike, views: npt.ArrayLike) -> Float32Array:
+        """Return what the cores reflect towards the eye.
+
+        Parameters
+        ----------
+        normals : (n, 3) array_like
+            Unit vectors.
+        views : (n, 3) or (3,) array_like
+            Unit vectors from the surface to the eye.
+
+        Returns
+        -------
+        (n, 3) float32
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not as described.
+        """
+        n = unit_vectors("normals", normals)
+        v = np.broadcast_to(unit_vectors("views", views, 1 if np.ndim(views) == 1 else len(n)), n.shape)
+        radiance = np.zeros(n.shape, np.float32)
+        for _, core in self.cores:
+            radiance += self._of_core(core, n, v)
+        return radiance
+
+    def at_view(self, view: npt.ArrayLike) -> Float32Array | dict[str, Float32Array]:
+        """Return the cores' maps for a distant viewer, about the centers of the maps they belong to.
+
+        Parameters
+        ----------
+        view : (3,) array_like
+            Unit vector to the eye.
+
+        Returns
+        -------
+        (H, W, 3) float32, or (6, N, N, 3) for cubes, or {name: map}
+            Each texel is the radiance at its center. A dict if there are several names.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If view is not a unit vector.
+        """
+        maps = self.maps(unit_vectors("view", view, 1))
+        return next(iter(maps.values())) if len(maps) == 1 else maps
+
+    def maps(self, view: FloatArray) -> dict[str, Float32Array]:
+        """Return the maps for a view (1, 3), by name."""
+        shape, order, targets = map_texels(self.layout, self.size)
+        found: dict[str, Float32Array] = {}
+        for name, core in self.cores:
+            v = np.ascontiguousarray(np.broadcast_to(view, targets.shape))
+            pixels = np.empty(targets.shape, np.float32)
+            pixels[order] = self._of_core(core, normals_at(core.center, core.gamma, targets, v), v)
+            of_core = pixels.reshape(shape)
+            found[name] = found[name] + of_core if name in found else of_core
+        return found
+
+    def with_core(self, name: str, core: Core) -> Residual:
+        """Return the residual with another core."""
+        return self._of_the_same_light(cores=(*self.cores, (name, core)))
+
+    def relit(self, pixels: Float32Array) -> Residual:
+        """Return the same cores under another light, not rotated."""
+        return replace(self, pixels=pixels, rotation=np.eye(3))
+
+    def rotated(self, R: FloatArray) -> Residual:
+        """Return the same cores with the light rotated by R, in place of an earlier rotation."""
+        return self._of_the_same_light(rotation=R)
+
+    def _of_the_same_light(self, **changes: Any) -> Residual:
+        """With other attributes; what was made of the light is kept."""
+        changed = replace(self, **changes)
+        changed.__dict__.update({name: self.__dict__[name] for name in _DERIVED if name in self.__dict__})
+        return changed
+
+    @cached_property
+    def picture(self) -> Float32Array:
+        """The light with its texels cut."""
+        return np.ascontiguousarray(self.pixels.repeat(self.cut, axis=0).repeat(self.cut, axis=1))
+
+    @cached_property
+    def pyramid(self) -> _core.Pyramid:
+        """Of the picture."""
+        return _core.Pyramid(self.picture)
+
+    def _of_core(self, core: Core, n: FloatArray, v: FloatArray) -> Float32Array:
+        n, v = n @ self.rotation, v @ self.rotation  # R^T n: the light stays as it was
+        order = _neighbours(2 * np.einsum("nc,nc->n", n, v)[:, None] * n - v)
+        n, v = np.ascontiguousarray(n[order]), np.ascontiguousarray(v[order])
+        found = np.empty(n.shape, np.float32)
+        found[order] = core.descent.radiance(self.pyramid, n, v, n, core.threshold)[0]
+        if core.look_up is not None:
+            found[order] += core.look_up.radiance(self.picture, n, v).astype(np.float32)
+        return found
+
+    def __getstate__(self) -> dict[str, object]:
+        """Return what is pickled: what is made of the light is made again."""
+        return {name: value for name, value in self.__dict__.items() if name not in _DERIVED}
+
+
+_DERIVED = ("picture", "pyramid")
+
+
+def residual_for(
+    pixels: Float32Array,
+    cores: Sequence[tuple[str, CoreLobe, Center, FloatArray]],
+    layout: str,
+    size: int,
+    allowed: float,
+) -> tuple[Residual, float]:
+    """Prepare the cores of a material's lobes.
+
+    Parameters
+    ----------
+    pixels : (H, W, 3) float32
+        The light.
+    cores : sequence of (name, lobe, center, gamma)
+        Of the map that it belongs to the name, the center and gamma.
+    layout, size
+        Of maps.
+    allowed : float
+        The mean square error wanted of all together, over frames of every orientation and cos^2(theta_v)
+        uniform, channels summed.
+
+    Returns
+    -------
+    Residual, and the mean square error, measured at a sample of frames.
+    """
+    H, W, _ = pixels.shape
+    texel = max(np.pi / H, 2 * np.pi / W)
+    narrowest = min(half_width(lobe) for _, lobe, _, _ in cores)
+    cut = int(np.clip(np.ceil(CUT_TO * texel / narrowest), 1, max(LARGEST_CUT // max(H, W), 1)))
+    result = Residual(pixels, cut, (), layout, size, np.eye(3))
+    error = 0.0
+    for name, lobe, center, gamma in cores:
+        resolved, narrow = _at_width(lobe, RESOLVED * texel / cut)
+        descent = _descent(resolved)
+        look_up = None if narrow is None else LookUp.of(narrow)
+        frames = Frames.of(pixels, lobe)
+        tried: list[tuple[float, Core]] = []
+        for threshold in THRESHOLDS:
+            core = Core(center, gamma, descent, threshold, look_up)
+            off = frames.error(result._of_core(core, frames.normals, frames.views))
+            tried.append((off, core))
+            if off <= allowed / len(cores) or (len(tried) > 1 and off > 0.8 * tried[-2][0]):
+                break
+        off, core = min(tried, key=lambda one: one[0])
+        error += off
+        result = result.with_core(name, core)
+    return result, error
+
+
+def _descent(lobe: CoreLobe) -> IsotropicDescent | RadialDescent:
+    if isinstance(lobe, IsotropicLobe):
+        return IsotropicDescent.of_core(lobe)
+    return RadialDescent.of(lobe.center, lobe.profile)
+
+
+def _at_width(lobe: CoreLobe, width: float) -> tuple[CoreLobe, CoreLobe | None]:
+    """Split off what makes a lobe narrower than an angle, with the least height that does."""
+    if half_width(lobe) >= width:
+        return lobe, None
+    low, high = -12.0, 24.0  # logarithms of heights
+    while high - low > 0.2:
+        middle = 0.5 * (low + high)
+        if half_width(split(lobe, float(np.exp(middle)))[0]) >= width:
+            low = middle
+        else:
+            high = middle
+    return split(lobe, float(np.exp(low)))
+
+
+def _neighbours(directions: FloatArray) -> npt.NDArray[np.intp]:
+    """An order in which neighbours in direction are neighbours: a descent is shared by some."""
+    side = int(np.clip(np.sqrt(len(directions) / _core.HIERARCHICAL_BLOCK), 1, 512))
+    band = np.clip((0.5 * (1 + directions[:, 2]) * side).astype(int), 0, side - 1)
+    turn = (np.arctan2(directions[:, 1], directions[:, 0]) / (2 * np.pi) + 0.5) * side
+    return np.lexsort((np.where(band % 2 == 0, turn, -turn), band))
+
+
+def map_names(centers: Sequence[Center]) -> list[str]:
+    """Names of the maps of lobes: their centers, but each lobe center is one of its own."""
+    names: list[str] = []
+    for k, center in enumerate(centers):
+        before = centers[:k].count("lobe")
+        names.append(f"lobe {before + 1}" if center == "lobe" and before else center)
+    return names

@@ -1,0 +1,1 @@
+"""What prefiltering costs by each method, and which is the cheapest."""

@@ -1,0 +1,154 @@
+"""What prefiltering costs by each method, predicted, and which is the cheaper at a wanted error.
+
+In frequency space the cost grows with the degree, C_f = O(F S^2) [RH02 eq. 9]; by integration it falls with
+the lobe's solid angle, C_a = O(W S^4) [RH02 eq. 10], W ~ 1 / F^2. Below the crossover s* of exponents the
+one is to be preferred, above it the other. A descent in a pyramid of the light evaluates a lobe about as
+often for each texel of a map whatever lobe and light are [KVHS00 section 5.1]: it costs less than integration
+where the light has many texels, and a table and a search for its threshold more.
+
+The rates are seconds of one thread, measured at 128 x 64 to 512 x 256 texels of light;
+where another machine is faster, it is so for both methods, and their ratio decides.
+
+References
+----------
+[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
+    Maps. Eurographics Workshop on Rendering 2000.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Literal
+
+from shrm.brdf import BRDF
+from shrm.environment import Environment
+from shrm.frequency.orders import Orders, ToleranceWarning, choose
+from shrm.frequency.rings import Layout
+from shrm.integrate.angular_lobes import half_width, share_visited
+
+ANGULAR_SHARE = 0.75
+"""Of a wanted error, what may be cut from a lobe's integral: the error of the maps is up to 1.3 of it."""
+
+_CALL = 4e-4
+_ANALYSIS, _ANALYSIS_BY_F = 6e-10, 2.6e-11  # per texel of the light
+_SYNTHESIS, _SYNTHESIS_BY_J = 6e-11, 5e-12  # per value of a lat-long map
+_CUBE = 2e-12  # per value of a cube map and coefficient
+_VIEW = 4.5e-11  # per value of a map, for each view
+
+_TABLES = {"radial": 1e-2, "zonal": 7e-2, "isotropic": 2e-1}
+_BY_SYMMETRY = 8e-11  # per pair of texels, radial lobes on lat-long maps
+# per pair of texels, the light's of 2 x 2 nodes
+_SAMPLE = {"radial": 1.4e-9, "zonal": 4e-9, "isotropic": 1.5e-8}
+_QUERY = 4e-7  # per texel of a map
+_COLORED = 2.0  # a lobe of three channels by one of one
+
+_PYRAMID = 1.2e-7  # per texel of the light
+_DESCENT = {"radial": 3e-7, "zonal": 1.2e-6, "isotropic": 5e-6}  # per texel of a map, at 1 to 3%
+_RING_WIDTH = 0.05  # from which on rings take more evaluations, in inverse proportion
+_SEARCH, _SEARCH_TEXELS = 3.0, 2e4  # for a threshold: in maps, and in texels besides
+_TEXELS_TO_A_WIDTH = 1.5
+"""How many texels of the light a lobe's half width must hold, for them to count as points."""
+
+
+def cheapest(
+    env: Environment,
+    brdf: BRDF,
+    tolerance: float,
+    *,
+    size: int,
+    layout: Layout,
+    views: int,
+    F_max: int,
+    P_max: int,
+) -> Literal["frequency", "angular", "hierarchical"]:
+    """Return the cheapest of the methods that reach a tolerance.
+
+    Parameters
+    ----------
+    env : Environment
+        The light.
+    brdf : BRDF
+        The material, its lobes about the centers they will have.
+    tolerance : float
+        Relative RMS error of the reflected light. What frequency space cannot reach within the caps is left
+        to integration.
+    size, layout
+        The maps.
+    views : int
+        For how many views a map is wanted.
+    F_max, P_max : int
+        Caps on the orders.
+
+    Returns
+    -------
+    {"frequency", "angular", "hierarchical"}
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `shrm.orders.choose`.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ToleranceWarning)
+        chosen = choose(brdf, tolerance, "light", env, F_max=F_max, P_max=P_max)
+    H, W, _ = env.pixels.shape
+    texels = size * size * (2 if layout == "latlong" else 6)
+    work = (H * W, brdf, texels, layout, views)
+    seconds: dict[Literal["frequency", "angular", "hierarchical"], float] = {
+        "angular": angular_seconds(*work, tolerance)
+    }
+    if not chosen.limited_by:
+        seconds["frequency"] = frequency_seconds(*work, chosen)
+    if min(map(half_width, brdf.lobes)) >= _TEXELS_TO_A_WIDTH * max(math.pi / H, 2 * math.pi / W):
+        seconds["hierarchical"] = hierarchical_seconds(*work)
+    return min(seconds, key=lambda method: seconds[method])
+
+
+def frequency_seconds(
+    light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int, orders: Orders
+) -> float:
+    """Predict the time in frequency space: analysis, synthesis and a sum for each view [RH02 eq. 9]."""
+    seconds = _CALL + light_texels * (_ANALYSIS + _ANALYSIS_BY_F * orders.F)
+    for lobe, of_lobe in zip(brdf.lobes, orders.lobes, strict=True):
+        global_form = lobe.kind == "isotropic"
+        values = 3 * texels * ((of_lobe.P + 1) ** 2 if global_form else of_lobe.P + 1)
+        J = of_lobe.F + (of_lobe.P if global_form else 0)
+        per_value = _CUBE * (J + 1) ** 2 if layout == "cube" else _SYNTHESIS + _SYNTHESIS_BY_J * J
+        seconds += values * (per_value + _VIEW * views)
+    return seconds
+
+
+def angular_seconds(
+    light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int, tolerance: float
+) -> float:
+    """Predict the time by integration: tables, and each texel of a map against those of the light in its cap.
+
+    The cap is the one that holds all but the tolerance of the lobe's integral [RH02 appendix D].
+
+    """
+    seconds = _CALL
+    for lobe in brdf.lobes:
+        kind = lobe.kind
+        pairs = texels * light_texels * share_visited(lobe, ANGULAR_SHARE * tolerance)
+
+        by_symmetry = kind == "radial" and layout == "latlong"
+        maps = 1 if kind == "radial" else views
+        per_pair = _SAMPLE[kind] * (_COLORED if lobe.channels == 3 and kind == "isotropic" else 1.0)
+        per_map = pairs * (_BY_SYMMETRY if by_symmetry else per_pair)
+        seconds += _TABLES[kind] + maps * (per_map + (0 if by_symmetry else _QUERY * texels))
+    return seconds
+
+
+def hierarchical_seconds(light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int) -> float:
+    """Predict the time of a descent: the pyramid, tables, the search for a threshold, and each map."""
+    seconds = _CALL + light_texels * _PYRAMID
+    for lobe in brdf.lobes:
+        kind = lobe.kind
+        maps = _SEARCH + (1 if kind == "radial" else views)
+        per_texel = _DESCENT[kind] * (_COLORED if lobe.channels == 3 else 1.0)
+        if kind == "zonal":  # a ring is entered all along
+            per_texel *= max(1.0, _RING_WIDTH / half_width(lobe))
+        seconds += _TABLES[kind] + (maps * texels + _SEARCH_TEXELS) * per_texel
+    return seconds

@@ -1,0 +1,1 @@
+"""Principal components of transfer matrices, of a whole object or in clusters."""

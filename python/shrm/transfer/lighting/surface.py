@@ -1,0 +1,219 @@
+"""What all ways of lighting an object share: vertices and frames, the light, the eye, and their checks."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm import _core
+from shrm.arrays import Float16Array, Float32Array, FloatArray, IntArray
+from shrm.transfer.directional_basis import DirectionalBasis
+from shrm.validation import real_array, require_array, unit_vectors
+
+StoredArray = Float32Array | Float16Array
+
+MOST_ORDER = 10
+"""The largest order n of light, degrees 0 to n - 1."""
+
+MOST_TENTS = 33
+"""The largest M."""
+
+BLOCK = 1024
+"""Vertices that are taken together where arrays would be large."""
+
+
+@dataclass(frozen=True)
+class Eye:
+    """Where an object is seen from.
+
+    Attributes
+    ----------
+    at : (3,) float32
+        A position, or the unit vector from the object to a distant viewer.
+    distant : bool
+    """
+
+    at: Float32Array
+    distant: bool
+
+    @classmethod
+    def checked(cls, eye: npt.ArrayLike | None, view: npt.ArrayLike | None) -> Eye:
+        """Return the one of `eye` and `view` that is given; TypeError, ValueError if not one alone is."""
+        if (eye is None) == (view is None):
+            raise ValueError(f"eye or view must be given, got {'neither' if eye is None else 'both'}")
+        if view is not None:
+            return cls(unit_vectors("view", view, 1)[0].astype(np.float32), True)
+        assert eye is not None
+        position = real_array("eye", eye)
+        if position.shape != (3,):
+            raise ValueError(f"eye must have the shape (3,), got {position.shape}")
+        return cls(_in_float32("eye", position), False)
+
+
+class Lighting(ABC):
+    """A way to light the vertices of an object.
+
+    Attributes
+    ----------
+    n : int
+        Order of the light, degrees 0 to n - 1.
+    size : int
+        V, the number of vertices.
+    """
+
+    n: int
+    size: int
+
+    def radiance(
+        self,
+        light: npt.ArrayLike,
+        *,
+        eye: npt.ArrayLike | None = None,
+        view: npt.ArrayLike | None = None,
+        out: Float32Array | None = None,
+    ) -> Float32Array:
+        """Return the radiance of every vertex towards the eye.
+
+        Parameters
+        ----------
+        light : (n^2, 3) array_like
+            Coefficients of incident radiance in global coordinates, in the real basis of `shrm.sh`.
+        eye : (3,) array_like, optional
+            The position of a near viewer. A vertex that lies there takes it to be above.
+        view : (3,) array_like, optional
+            The unit vector to a distant viewer; in place of `eye`.
+        out : (V, 3) float32 array, optional
+            In C order; takes the result.
+
+        Returns
+        -------
+        (V, 3) float32
+            `out`, if given. Vertices that face away are lit as if they were seen from their horizon.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not as described, or not one of `eye` and `view` is given.
+        """
+        return self._radiance(light, Eye.checked(eye, view), out)
+
+    def _radiance(self, light: npt.ArrayLike, eye: Eye, out: Float32Array | None) -> Float32Array:
+        coefficients = real_array("light", light)
+        if coefficients.shape != (self.n**2, 3):
+            raise ValueError(f"light must have the shape {(self.n**2, 3)}, got {coefficients.shape}")
+        if out is None:
+            out = np.empty((self.size, 3), dtype=np.float32)
+        require_array("out", out, (self.size, 3), np.float32, writeable=True)
+        self._light(_in_float32("light", coefficients), eye, out)
+        return out
+
+    @abstractmethod
+    def _light(self, light: Float32Array, eye: Eye, radiance: Float32Array) -> None:
+        """Fill radiance (V, 3) for light (n^2, 3), both in C order."""
+
+
+class Surface:
+    """Vertices with their frames.
+
+    Parameters
+    ----------
+    vertices : (V, 3) array_like
+    frames : (V, 3, 3) array_like
+        Rotations global_from_local, orthogonal to 1e-5: columns x = tangent, y, z = normal.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not as described.
+    """
+
+    def __init__(self, vertices: npt.ArrayLike, frames: npt.ArrayLike) -> None:
+        self.vertices = stored_array("vertices", vertices, (None, 3)).astype(np.float32, copy=False)
+        self.frames = stored_array("frames", frames, (self.size, 3, 3)).astype(np.float32, copy=False)
+        error = np.abs(np.swapaxes(self.frames, 1, 2) @ self.frames - np.eye(3, dtype=np.float32))
+        bad = np.flatnonzero((error.max(axis=(1, 2)) > 1e-5) | (np.linalg.det(self.frames) < 0))
+        if len(bad):
+            raise ValueError(
+                f"frames must be rotations, orthogonal to 1e-5 with determinant 1, got {len(bad)} that are "
+                f"not, the first at {bad[0]}"
+            )
+        self.core = _core.TransferSurface(vertices=self.vertices, frames=self.frames)
+
+    @property
+    def size(self) -> int:
+        """V, the number of vertices."""
+        return len(self.vertices)
+
+    def tents(self, eye: Eye, M: int) -> tuple[IntArray, FloatArray]:
+        """Return the tents that are not zero at the local views (V, 4), and their values there."""
+        towards = eye.at.astype(np.float64) - (0 if eye.distant else self.vertices)
+        local = np.einsum("vij,vi->vj", self.frames, np.broadcast_to(towards, self.vertices.shape))
+        length = np.linalg.norm(local, axis=1, keepdims=True)
+        above = np.array([0.0, 0.0, 1.0])
+        directions = np.where(length > 0, local / np.where(length > 0, length, 1.0), above)
+        return DirectionalBasis(M).tents(directions)
+
+
+def stored_array(name: str, value: npt.ArrayLike, shape: tuple[int | None, ...]) -> StoredArray:
+    """Return a finite array of this shape, None where any extent will do, in C order.
+
+    Float32 and float16 stay what they are, without a copy where there need be none; other real numbers become
+    float32.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not that, or empty.
+    """
+    array = np.asanyarray(value) if isinstance(value, np.ndarray) else np.asarray(real_array(name, value))
+    if array.dtype.kind not in "fiu" or isinstance(array, np.ma.MaskedArray):
+        raise TypeError(f"{name} must be an array of real numbers, got dtype {array.dtype}")
+    fits = array.ndim == len(shape) and all(
+        wanted in (None, extent) for wanted, extent in zip(shape, array.shape, strict=True)
+    )
+    if not fits or array.size == 0:
+        needed = ", ".join("any" if extent is None else str(extent) for extent in shape)
+        raise ValueError(f"{name} must have the shape ({needed}), not empty, got {array.shape}")
+    kept = array.dtype if array.dtype in (np.float32, np.float16) else np.dtype(np.float32)
+    with np.errstate(over="ignore"):  # said below
+        result: StoredArray = np.ascontiguousarray(array, dtype=kept)
+    for start in range(0, len(result), BLOCK):
+        finite = np.isfinite(result[start : start + BLOCK])
+        if not finite.all():
+            first = start + int(np.flatnonzero(~finite.reshape(len(finite), -1).all(axis=1))[0])
+            raise ValueError(f"{name} must be finite, got values that are not, the first in row {first}")
+    return result
+
+
+def order_of(name: str, terms: int) -> int:
+    """Return n of n^2 coefficients of light; ValueError if there is none in [1, 10]."""
+    return _root(name, terms, "n^2 coefficients of light, n", 1, MOST_ORDER)
+
+
+def tents_of(name: str, tents: int) -> int:
+    """Return M of M^2 tents; ValueError if there is none in [2, 33]."""
+    return _root(name, tents, "M^2 tents, M", 2, MOST_TENTS)
+
+
+def require_channels(name: str, channels: int) -> None:
+    """Refuse other numbers of channels than 1 and 3."""
+    if channels not in (1, 3):
+        raise ValueError(f"{name} must have 1 or 3 channels, got {channels}")
+
+
+def _in_float32(name: str, array: FloatArray) -> Float32Array:
+    with np.errstate(over="ignore"):
+        result = np.ascontiguousarray(array, dtype=np.float32)
+    if not np.isfinite(result).all():
+        raise ValueError(f"{name} must be finite in float32, got {np.abs(array).max():g}")
+    return result
+
+
+def _root(name: str, square: int, what: str, least: int, most: int) -> int:
+    root = round(float(np.sqrt(square)))
+    if root**2 != square or not least <= root <= most:
+        raise ValueError(f"{name} must have {what} in [{least}, {most}], got {square}")
+    return root

@@ -1,0 +1,1 @@
+"""The renderer on the GPU: contexts, programs, textures, geometry, maps and filters."""

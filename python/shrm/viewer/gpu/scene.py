@@ -1,0 +1,41 @@
+"""What is drawn: objects, the eye, the light behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from shrm.arrays import FloatArray
+from shrm.render.camera import Camera
+from shrm.render.picture import Lighting, Object
+
+Viewer = Literal["near", "distant"]
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Objects under one light, seen by one camera.
+
+    Parameters
+    ----------
+    objects : sequence of shrm.render.Object
+        Their materials are reflection maps (`shrm.ReflectionMap`), maps of `shrm.prefiltered`,
+        dual-paraboloid maps (`shrm.viewer.ParaboloidMaps`, `shrm.viewer.HardwarePrefilter`), or radiance at
+        vertices (`shrm.render.VertexRadiance`).
+    camera : shrm.render.Camera
+    background : shrm.Environment, optional
+        What is seen behind the objects; black without one.
+    viewer : {"near", "distant"}
+        Each pixel has its own view vector, or all have the camera's [RH02 section 7.5].
+    rotation : (3, 3) float64
+        How the background is turned, L'(w) = L(R^T w). (The light of the objects is in their maps.)
+    """
+
+    objects: Sequence[Object]
+    camera: Camera
+    background: Lighting | None = None
+    viewer: Viewer = "near"
+    rotation: FloatArray = field(default_factory=lambda: np.eye(3))

@@ -1,0 +1,1 @@
+"""The interactive window: state, work in the background, lighting, panels, input."""

@@ -1,0 +1,63 @@
+"""How a cost grows: a power law fitted to times over a range of sizes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from shrm.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """A least-squares fit of seconds = factor * size^exponent in log-log.
+
+    Attributes
+    ----------
+    exponent, factor : float
+        Of the fit.
+    deviation : float
+        Standard error of the exponent, from what the fit leaves; 0 for two sizes, or if it was given.
+    """
+
+    exponent: float
+    factor: float
+    deviation: float
+
+    def at(self, sizes: npt.ArrayLike) -> FloatArray:
+        """Return the fit's seconds."""
+        return np.asarray(self.factor * np.asarray(sizes, dtype=np.float64) ** self.exponent)
+
+    def crossing(self, other: PowerLaw) -> float:
+        """Return the size at which two laws of different exponents are equal."""
+        return float((other.factor / self.factor) ** (1 / (self.exponent - other.exponent)))
+
+
+def fit(sizes: npt.ArrayLike, seconds: npt.ArrayLike, exponent: float | None = None) -> PowerLaw:
+    """Fit a power law to at least two different sizes and their times, all positive.
+
+    Where an exponent is given, by a theory, only the factor is fitted.
+
+    Raises
+    ------
+    ValueError
+        If they are not that.
+    """
+    x, y = (np.asarray(values, dtype=np.float64) for values in (sizes, seconds))
+    if x.ndim != 1 or x.shape != y.shape or len(np.unique(x)) < 2:
+        raise ValueError(f"a power law needs a time for each of two sizes or more, got {x.shape}, {y.shape}")
+    if not (np.all(x > 0) and np.all(y > 0)):
+        raise ValueError("a power law needs sizes and times above zero")
+    log_x, log_y = np.log(x), np.log(y)
+    centered = log_x - log_x.mean()
+    if exponent is not None:
+        return PowerLaw(exponent, float(np.exp(np.mean(log_y - exponent * log_x))), 0.0)
+    exponent = float(centered @ log_y / (centered @ centered))
+    left = log_y - log_y.mean() - exponent * centered
+    variance = left @ left / (len(x) - 2) if len(x) > 2 else 0.0
+    return PowerLaw(
+        exponent,
+        float(np.exp(log_y.mean() - exponent * log_x.mean())),
+        float(np.sqrt(variance / (centered @ centered))),
+    )

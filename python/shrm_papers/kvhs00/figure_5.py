@@ -1,0 +1,119 @@
+"""[KVHS00] figure 5: a glossy torus in two environments, filtered by the hardware for every frame.
+
+References
+----------
+[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
+    Maps. Eurographics Workshop on Rendering 2000.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from shrm import brdf
+from shrm.environment import Environment
+from shrm.integrate.angular import prefilter_angular
+from shrm.render import Camera, Object, Picture, render
+from shrm.viewer import Context, HardwarePrefilter, Renderer, Scene
+
+from shrm_papers.grid_meshes import torus
+from shrm_papers.kvhs00.opengl import context_or_note, frame_seconds
+from shrm_papers.result import Cell, Result, Settings
+from shrm_papers.spheres import common_exposure, show
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAME = "kvhs00-figure-5"
+EXPONENTS = (50, 500)
+SIZE, BORDER = 512, 64
+PICTURE, SAMPLES = 384, 3
+CAMERA = Camera((3.2, 1.6, 0.5), fov=52.0)
+TILT = 60.0  # degrees: the torus stands, and shows the camera its hole
+COLUMNS = ("environment", "exponent", "filter, ms", "frames/s", "relative RMS error")
+DAYLIGHT = "daylight at noon"
+
+
+def make(settings: Settings) -> Result:
+    """Draw the torus with two exponents in two environments."""
+    context, about = context_or_note()
+    title = f"A torus filtered for every frame, {settings.env_name} and {DAYLIGHT}"
+    if context is None:
+        rows: list[list[Cell]] = [["not drawn", s, None, None, None] for s in EXPONENTS]
+        return Result(NAME, title, COLUMNS, rows, [about])
+    noon = Environment.daylight(sun_elevation=55.0, sun_azimuth=-70.0, size=32 if settings.quick else 512)
+    rows, pictures = _measure(context, {settings.env_name: settings.env, DAYLIGHT: noon}, settings.quick)
+    context.release()
+    return Result(
+        NAME,
+        title,
+        COLUMNS,
+        rows,
+        [
+            f"Two passes, faces of {SIZE} texels with a border of {BORDER}; a frame is filtered, then drawn: "
+            f"{PICTURE} x {PICTURE} pixels, one sample, where the figure has {SAMPLES} x {SAMPLES}."
+            + (" (Quick: all smaller.)" if settings.quick else ""),
+            "Errors are of the torus' pixels against direct integration of the light for each of them.",
+            "Where the sun is reflected, the few texels of the shrunk map show.",
+            f"OpenGL: {about}. [KVHS00] says interactive rates, on an SGI O2.",
+        ],
+        _draw(list(pictures), pictures),
+    )
+
+
+def _measure(
+    context: Context, lights: dict[str, Environment], quick: bool
+) -> tuple[list[list[Cell]], dict[str, list[Picture]]]:
+    """Rows of the table, and pictures by the light's name."""
+    pixels, samples, size = (32, 1, 64) if quick else (PICTURE, SAMPLES, SIZE)
+    renderer = Renderer(pixels, samples=samples, context=context)
+    gl, extent = context.gl, (pixels, pixels)
+    target = gl.framebuffer([gl.texture(extent, 4, dtype="f4")], gl.depth_renderbuffer(extent))
+    shape = torus(tilt=TILT)
+    rows: list[list[Cell]] = []
+    pictures: dict[str, list[Picture]] = {name: [] for name in lights}
+    for name, light in lights.items():
+        for s in EXPONENTS:
+            with HardwarePrefilter(
+                brdf.Phong(s), size=size, border=size // 8, method="two-pass", context=context
+            ) as prefilter:
+                prefilter.update(light)
+                scene = Scene([Object(shape, prefilter)], CAMERA, light)
+
+                def frame(prefilter: HardwarePrefilter = prefilter, scene: Scene = scene) -> None:
+                    prefilter.filter()
+                    renderer.draw(scene, target)
+
+                alone, whole = frame_seconds(context, [prefilter.filter, frame], 1 if quick else 5)
+                picture = renderer.render(scene)
+            pictures[name].append(picture)
+            rows.append([name, s, 1e3 * alone, 1.0 / whole, _error(picture, scene, light, s)])
+    renderer.release()
+    return rows, pictures
+
+
+def _error(picture: Picture, scene: Scene, light: Environment, s: int) -> float:
+    """Relative RMS error where the torus fills a pixel, from one sample for each pixel."""
+    exact = prefilter_angular(light, brdf.Phong(s), tolerance=0.0)
+    H, W = picture.coverage.shape
+    wanted = render([Object(scene.objects[0].shape, exact)], CAMERA, W, H, samples=1)
+    both = (picture.coverage == 1) & (wanted.coverage == 1)
+    off = picture.radiance[both] - wanted.radiance[both]
+    return float(np.sqrt((off.astype(np.float64) ** 2).sum() / (wanted.radiance[both] ** 2).sum()))
+
+
+def _draw(names: Sequence[str], pictures: dict[str, list[Picture]]) -> Figure:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.6, 6.8), layout="constrained")
+    axes = figure.subplots(len(names), len(EXPONENTS), squeeze=False)
+    for row, name in zip(axes, names, strict=True):
+        exposure = common_exposure(pictures[name])
+        for panel, s, picture in zip(row, EXPONENTS, pictures[name], strict=True):
+            show(panel, picture, exposure)
+            if name == names[0]:
+                panel.set_title(f"s = {s}", fontsize=10)
+        row[0].set_ylabel(name, fontsize=10)
+    return figure

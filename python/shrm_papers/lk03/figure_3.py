@@ -1,0 +1,149 @@
+"""[LK03] figure 3: what principal components lose, against their number, glossy and matt, shadowed and not.
+
+References
+----------
+[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from shrm import brdf
+from shrm.arrays import FloatArray
+from shrm.transfer.matrices.product import Path as Way
+from shrm.transfer.object import RadianceTransfer
+
+from shrm_papers.lk03.transfer_subject import Subject, n, note, subject
+from shrm_papers.plotting import COLORS, MARKS, panels
+from shrm_papers.result import Cell, Result, Settings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAME = "lk03-figure-3"
+
+TENTS = 11
+MATERIALS = {"glossy": brdf.AshikhminShirley(40, 40), "matt": brdf.AshikhminShirley(5, 5)}
+"""[LK03 section 6]: N = 40 and 5."""
+
+WAYS = {"m = 5": Way(inner=n, m=5, extension="even"), "direct": Way()}
+"""By way of harmonics, as the paper's figure, and straight from rays to tents."""
+
+HIGHEST = 60.0  # of the picture, in dB
+
+SHOWN = (1, 2, 3, 5, 10, 15, 20, 25, 30, 40, 50, 60, 80, 100)
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """What is lost with 1 to K components.
+
+    Attributes
+    ----------
+    way, material : str
+    shadowed : bool
+    psnr : (K,) float64
+        Of radiance under random light of norm 1, in dB: the paper's measure.
+    snr : (K,) float64
+        The same relative to the uncompressed radiance.
+    """
+
+    way: str
+    material: str
+    shadowed: bool
+    psnr: FloatArray
+    snr: FloatArray
+
+    @property
+    def label(self) -> str:
+        """Its name in tables and legends."""
+        return f"{self.material}, {'shadowed' if self.shadowed else 'no shadows'}"
+
+
+def make(settings: Settings) -> Result:
+    """Compress the object in each material, both ways."""
+    this = subject(settings)
+    ways = {"m = 5": WAYS["m = 5"]} if settings.quick else WAYS
+    shown = SHOWN[:8] if settings.quick else SHOWN
+    curves = [
+        curve
+        for way, path in ways.items()
+        for name, material in MATERIALS.items()
+        for curve in _curves(this, way, name, material, path, shown[-1])
+    ]
+    columns = [
+        "K",
+        *(f"PSNR, {c.way}, {c.label}" for c in curves),
+        *(f"SNR, {c.way}, {c.label}" for c in curves),
+    ]
+    rows: list[list[Cell]] = [
+        [K, *(float(c.psnr[K - 1]) for c in curves), *(float(c.snr[K - 1]) for c in curves)] for K in shown
+    ]
+    return Result(
+        NAME,
+        f"PSNR and relative SNR in dB against the number of principal components, {this.name}",
+        columns,
+        rows,
+        _notes(this),
+        _draw(curves),
+    )
+
+
+def _curves(this: Subject, way: str, name: str, material: brdf.BRDF, path: Way, K: int) -> list[Curve]:
+    made = this.precomputed(material, M=TENTS, path=path, K=K, half=False)
+    found = []
+    for shadowed, variant in ((False, "unshadowed"), (True, "shadowed")):
+        reported = made.report["compression"][variant]["SNR of 1 to K"]
+        snr = np.array([np.inf if x is None else x for x in reported])
+        found.append(Curve(way, name, shadowed, snr - 10 * np.log10(energy(made, variant)), snr))
+    return found
+
+
+def energy(made: RadianceTransfer, variant: str) -> float:
+    """Return the mean over vertices, and over random light of norm 1, of the squared norm of radiance.
+
+    Of components that are not rounded: they are orthonormal in radiance, so that squared weights are the
+    energy that they hold.
+    """
+    weights = made.variants[variant].weights
+    assert weights is not None
+    kept = float(np.sum(weights.astype(np.float64) ** 2)) / len(weights)
+    last = made.report["compression"][variant]["SNR"]
+    left = 0.0 if last is None else 10 ** (-last / 10)
+    return kept / (1 - left) / n**2
+
+
+def _notes(this: Subject) -> list[str]:
+    return [
+        note(this),
+        f"Ashikhmin and Shirley's model with N = 40 (glossy) and N = 5 (matt), {TENTS} x {TENTS} tents, "
+        "light of order 5. With m = 5, as in the paper's figure, harmonics stand between rays and tents; "
+        "direct has none.",
+        "PSNR is the paper's measure, -10 log10 of the mean squared error over the hemisphere under random "
+        "light of norm 1; of the first components it is higher with shadows, which are dark. SNR is relative "
+        "to what is compressed.",
+        "Frames whose tangents run around the vertical depend on two angles: without shadows there are "
+        f"{(2 * n - 1) ** 2} components, products of trigonometric polynomials of degree {n - 1} in both.",
+        "The paper shows curves and prints no numbers: shadows and gloss lower them, it says.",
+    ]
+
+
+def _draw(curves: list[Curve]) -> Figure:
+    ways = list(dict.fromkeys(curve.way for curve in curves))
+    figure, axes = panels(1, 1 + len(ways), 4.6 * (1 + len(ways)), 4.3)
+    for panel, (way, kind) in zip(axes, [(ways[0], "PSNR"), *((way, "SNR") for way in ways)], strict=True):
+        for k, curve in enumerate(c for c in curves if c.way == way):
+            values = curve.psnr if kind == "PSNR" else curve.snr
+            K = np.arange(1, len(values) + 1)
+            panel.plot(K, values, color=COLORS[k], linewidth=1.6)
+            every = [x for x in SHOWN if x <= len(values)]
+            panel.plot(every, values[np.array(every) - 1], MARKS[k], color=COLORS[k], markersize=5)
+            panel.plot([], [], MARKS[k], color=COLORS[k], linestyle="-", label=curve.label)
+        what = "average PSNR, dB" if kind == "PSNR" else "relative SNR, dB"
+        panel.set(xlabel="components K", ylabel=what, ylim=(0, HIGHEST))
+        panel.set_title(f"{way}, as in [LK03]" if kind == "PSNR" else way, fontsize=10)
+        panel.legend(frameon=False, fontsize=8)
+    return figure

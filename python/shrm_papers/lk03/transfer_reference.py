@@ -1,0 +1,143 @@
+"""What the vertices of an object send out, summed ray by ray: neither tents nor harmonics in between.
+
+References
+----------
+[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from shrm.arrays import Float32Array, FloatArray, IntArray
+from shrm.brdf import BRDF
+from shrm.transfer.lighting import Lighting
+from shrm.transfer.matrices.accuracy import relative_snr
+from shrm.transfer.matrices.product import harmonics, rotated, view_rows
+from shrm.transfer.rays.directions import local_directions
+from shrm.transfer.tangent_frames import local_coefficients
+
+from shrm_papers.lk03.transfer_subject import Subject, n
+
+VERTICES, VIEWS = 96, 32
+"""Where methods are judged."""
+
+_LOWEST = 1e-3
+"""Cosine of views that are taken for those at and below the horizon."""
+
+_TOGETHER = 64
+"""Vertices whose rays are summed at once."""
+
+_FINER = 4
+"""How many times as many rays are summed where nothing hides the light, and none need be cast."""
+
+
+class Reference:
+    """Radiance of some vertices towards distant viewers, for each harmonic of the light.
+
+    Parameters
+    ----------
+    subject : Subject
+    material : BRDF
+        Of one channel.
+    vertices, views : int
+        How many are drawn, seeded: vertices of faces, and views from all around; those from above the
+        vertex count.
+
+    Attributes
+    ----------
+    at : (k,) int
+        The vertices, in ascending order.
+    views : (v, 3) float64
+        Unit vectors to the viewers.
+    seen : (k, v) bool
+        Which viewers are above which vertices.
+    """
+
+    def __init__(
+        self, subject: Subject, material: BRDF, vertices: int = VERTICES, views: int = VIEWS
+    ) -> None:
+        rng = np.random.default_rng(20030428)
+        of_faces = np.unique(subject.mesh.faces)
+        self.at = np.sort(rng.choice(of_faces, min(vertices, len(of_faces)), replace=False))
+        self.views = rng.normal(size=(views, 3))
+        self.views /= np.linalg.norm(self.views, axis=1, keepdims=True)
+        self._frames, self._subject = subject.frames[self.at], subject
+        local = np.einsum("pca,vc->pva", self._frames, self.views)
+        self.seen = local[:, :, 2] > _LOWEST
+        self._rays = view_rows(material, local[self.seen], n, subject.rays)  # (pairs, D)
+        self._Y = harmonics(subject.rays, n).astype(np.float32)
+
+    def rows(self, shadowed: bool) -> Float32Array:
+        """Return radiance of each pair of a vertex and a view that it sees, (pairs, n^2)."""
+        vertex, _ = np.nonzero(self.seen)
+        rays = self._rays
+        if shadowed:
+            rays = rays * self._subject.visible(self.at)[vertex]
+        return rotated((rays @ self._Y)[:, None], self._frames[vertex])[:, 0]
+
+    def snr(self, lighting: Lighting, shadowed: bool) -> float:
+        """Return the relative SNR of a method, in dB: the mean over white light, vertices and views.
+
+        Parameters
+        ----------
+        lighting : Lighting
+            Of these vertices alone, with one channel.
+        shadowed : bool
+        """
+        found = np.empty((*self.seen.shape, n * n), np.float32)
+        for v, view in enumerate(self.views):
+            for first in range(0, n * n, 3):  # one harmonic for each of the three colors
+                count = min(3, n * n - first)
+                light = np.zeros((n * n, 3))
+                light[first + np.arange(count), np.arange(count)] = 1.0
+                found[:, v, first : first + count] = lighting.radiance(light, view=view)[:, :count]
+        return relative_snr(self.rows(shadowed), found[self.seen])
+
+
+def radiance(
+    subject: Subject,
+    material: BRDF,
+    light: npt.ArrayLike,
+    eye: npt.ArrayLike,
+    shadowed: bool,
+    at: IntArray,
+) -> Float32Array:
+    """Return the radiance of vertices towards an eye, summed over rays; the others are left black.
+
+    Parameters
+    ----------
+    subject : Subject
+    material : BRDF
+        Of one channel.
+    light : (n^2, 3) array_like
+    eye : (3,) array_like
+    shadowed : bool
+    at : (k,) int
+        Vertices, in ascending order.
+
+    Returns
+    -------
+    (V, 3) float32
+    """
+    rays = subject.rays if shadowed else local_directions(_FINER * subject.directions)
+    Y = harmonics(rays, n)
+    views = local_views(subject, eye)
+    result = np.zeros((subject.size, 3), np.float32)
+    for start in range(0, len(at), _TOGETHER):
+        some = at[start : start + _TOGETHER]
+        wi, wo = np.tile(rays, (len(some), 1)), np.repeat(views[some], len(rays), axis=0)
+        reflected = material.transfer(wi, wo).reshape(len(some), len(rays))
+        if shadowed:
+            reflected = np.where(subject.visible(some), reflected, 0.0)
+        local = local_coefficients(light, subject.frames[some])
+        result[some] = 2 * np.pi / len(rays) * np.einsum("kj,kjc->kc", reflected @ Y, local)
+    return result
+
+
+def local_views(subject: Subject, eye: npt.ArrayLike) -> FloatArray:
+    """Return the views of an eye in the frames of all vertices, (V, 3); none below the horizon."""
+    views = np.einsum("pca,pc->pa", subject.frames, np.asarray(eye) - subject.mesh.vertices)
+    across = np.linalg.norm(views[:, :2], axis=1)
+    views[:, 2] = np.maximum(views[:, 2], _LOWEST * across)
+    return np.asarray(views / np.linalg.norm(views, axis=1, keepdims=True))

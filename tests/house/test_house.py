@@ -1,0 +1,61 @@
+"""Hygiene is a test: style, types and format, by the tools of the test extra."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CPP = sorted(str(path) for path in [*ROOT.glob("cpp/**/*.[ch]pp"), *ROOT.glob("tests/*.cpp")])
+
+CHECKS = {
+    "ruff check": ["ruff", "check", "python", "tests"],
+    "ruff format": ["ruff", "format", "--check", "python", "tests"],
+    "mypy --strict": ["mypy"],
+    "clang-format": ["clang-format", "--dry-run", "-Werror", *CPP],
+}
+
+
+@pytest.mark.parametrize("command", CHECKS.values(), ids=CHECKS.keys())
+def test_the_tool_has_nothing_to_say(command: list[str]) -> None:
+    tool = shutil.which(command[0], path=str(Path(sys.executable).parent))
+    if tool is None:
+        pytest.skip(f"{command[0]} is not installed beside this Python (pip install 'shrm[test]')")
+    done = subprocess.run(
+        [tool, *command[1:]], cwd=ROOT, capture_output=True, text=True, stdin=subprocess.DEVNULL
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_one_version_everywhere() -> None:
+    version = re.search(r'^version = "(.+)"', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)
+    cited = re.search(r"^version: (.+)", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
+    assert version is not None
+    assert cited is not None
+    assert cited[1] == version[1]
+    assert re.search(
+        rf"^## \[({re.escape(version[1])}|Unreleased)\]", (ROOT / "CHANGELOG.md").read_text(), re.M
+    )
+
+
+def test_what_is_cited_is_in_the_bibliography_and_what_is_there_is_cited() -> None:
+    core = ROOT / "cpp" / "shrm" / "core.hpp"
+    entries = re.findall(r"^//   \[(\w+)\] ", core.read_text(), re.MULTILINE)
+    key = re.compile(r"\[([A-Z][A-Za-z]*\d{2,3})(?=[\],; ])")
+    sources = [*ROOT.glob("cpp/**/*.[ch]pp"), *ROOT.glob("python/**/*.py"), *ROOT.glob("tests/*.py")]
+    cited = {found for path in sources if path != core for found in key.findall(path.read_text())}
+    assert len(entries) == len(set(entries))
+    assert cited - set(entries) == set()
+    assert set(entries) - cited == set()
+
+
+def test_importing_the_package_and_the_command_is_light() -> None:
+    """Plots, meshes, windows and progress bars are loaded by the commands that need them."""
+    code = "import sys, json, shrm, shrm.cli; print(json.dumps(sorted(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    heavy = {"matplotlib", "trimesh", "embreex", "moderngl", "scipy", "rich"}
+    assert not heavy & set(json.loads(done.stdout))

@@ -1,0 +1,130 @@
+"""The method of prefiltering: by name, or by what costs less at the wanted error."""
+
+import numpy as np
+import pytest
+from shrm import Environment, ReflectionMap, ToleranceWarning, brdf, prefilter
+from shrm.frequency import orders
+from shrm.integrate.angular import AngularReflection, integrate
+from shrm.integrate.hierarchical import HierarchicalReflection
+from shrm.methods import cost
+from support import oracles
+
+SKY = Environment.daylight(size=32)
+
+
+def relative_rms(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.sqrt(((a - b) ** 2).sum() / (b**2).sum()))
+
+
+def seconds(s: float, H: int, layout: str = "latlong") -> tuple[float, float]:
+    """Predicted for Phong between pictures of H rows, F as [RH02] appendix D has it."""
+    material, F = brdf.Phong(s), int(np.ceil(np.sqrt(-s * np.log(0.01))))
+    chosen = orders.Orders(F, 0, 0.0, "", (orders.LobeOrders(F, 0, 0.0, 1.0),))
+    work = (2 * H * H, material, 2 * H * H, layout, 1)
+    return cost.frequency_seconds(*work, chosen), cost.angular_seconds(*work, 0.05)  # type: ignore[arg-type]
+
+
+def test_by_name():
+    material = brdf.Phong(20)
+    assert isinstance(prefilter(SKY, material), ReflectionMap)
+    assert isinstance(prefilter(SKY, material, method="auto"), ReflectionMap)
+    angular = prefilter(SKY, material, method="angular", size=16, layout="cube")
+    assert isinstance(angular, AngularReflection)
+    assert (angular.size, angular.layout) == (16, "cube")
+    assert isinstance(prefilter(SKY, material, method="hierarchical", size=16), HierarchicalReflection)
+
+
+def test_frequency_costs_more_with_the_exponent_and_integration_less():
+    exponents = 2.0 ** np.arange(2, 14)
+    times = np.array([seconds(s, 512) for s in exponents])
+    assert (np.diff(times[:, 0]) >= 0).all()
+    assert (np.diff(times[:, 1]) <= 0).all()
+    # eq. 9 and eq. 10 cross once
+    cheaper = times[:, 0] <= times[:, 1]
+    assert cheaper[0]
+    assert (np.diff(cheaper.astype(int)) <= 0).all()
+
+
+def test_integration_costs_as_the_square_of_the_texels():
+    # eq. 10, where tables and calls no longer count
+    assert seconds(8, 4096)[1] / seconds(8, 2048)[1] == pytest.approx(16, rel=0.01)
+    # eq. 9 at fixed F
+    assert seconds(8, 4096)[0] / seconds(8, 2048)[0] == pytest.approx(4, rel=0.05)
+
+
+def test_what_frequency_space_cannot_reach_is_integrated():
+    mirror = brdf.GGX(0.05)
+    with pytest.warns(ToleranceWarning):
+        prefilter(SKY, mirror, tolerance=0.02, F_max=20, P_max=2, size=8)
+    found = prefilter(SKY, mirror, tolerance=0.02, F_max=20, P_max=2, size=8, method="auto")
+    assert isinstance(found, AngularReflection)
+    N, V = oracles.random_views(40, seed=3)
+    exact = integrate(SKY, mirror, N, V, subsamples=4)
+    # The bare sun: nodes finer than texels are needed, and had by default.
+    assert relative_rms(found.radiance(N, V), exact) < 0.02
+
+
+@pytest.mark.parametrize("method", ["frequency", "angular", "hierarchical", "auto"])
+def test_either_way_the_tolerance_is_met(method):
+    material, view = brdf.Phong(40), [0.0, 0.0, 1.0]
+    # A radial lobe's map is the reflected light over all directions; at F = 60 no energy is left out.
+    exact = prefilter(SKY, material, orders=(60, 0), size=48).at_view(view)
+    found = prefilter(SKY, material, tolerance=0.05, size=48, method=method).at_view(view)
+    area = np.sqrt(np.sin((np.arange(48) + 0.5) * np.pi / 48))[:, None, None]
+    assert relative_rms(area * found, area * exact) < 0.05
+
+
+def test_what_does_not_go_with_the_method_is_refused():
+    material = brdf.Phong(20)
+    with pytest.raises(
+        ValueError, match="method must be one of frequency, angular, hierarchical, auto, got 'fast'"
+    ):
+        prefilter(SKY, material, method="fast")
+    frequency_only = {"orders": (4, 0), "criterion": "brdf", "window": "hann", "clamp": True, "half": True}
+    for name, value in frequency_only.items():
+        with pytest.raises(ValueError, match="takes no orders"):
+            prefilter(SKY, material, method="auto", **{name: value})
+    with pytest.raises(ValueError, match="views must be"):
+        prefilter(SKY, material, views=0)
+
+
+def test_sharp_lobes_under_a_large_light_are_descended_for_and_under_a_small_one_integrated():
+    """What frequency space cannot reach within the caps, where it would take fewer evaluations."""
+    glossy = brdf.GGX(0.15)
+    options = {"tolerance": 0.02, "F_max": 40, "P_max": 1, "size": 32}
+    large = Environment.daylight(size=512)
+    found = prefilter(large, glossy, method="auto", **options)
+    assert isinstance(found, HierarchicalReflection)
+    assert isinstance(prefilter(SKY, glossy, method="auto", **options), AngularReflection)
+    # texels as points: about as many as there are lobes' widths would not do
+    assert isinstance(
+        prefilter(large.resized(64, 128), brdf.GGX(0.02), method="auto", **options), AngularReflection
+    )
+
+
+def test_a_descent_costs_as_texels_of_the_map_and_hardly_those_of_the_light():
+    def cost_of(light: int, texels: int) -> float:
+        return cost.hierarchical_seconds(light, brdf.GGX(0.2), texels, "latlong", 1)
+
+    assert cost_of(10**5, 4 * 10**6) / cost_of(10**5, 10**6) == pytest.approx(4, rel=0.05)
+    assert cost_of(4 * 10**5, 10**6) / cost_of(10**5, 10**6) < 1.1
+
+
+@pytest.mark.parametrize("H", [4, 16])
+def test_a_lobe_far_narrower_than_texels_reflects_all_of_a_constant_light(H):
+    white = Environment(np.ones((H, 2 * H, 3), dtype=np.float32))
+    found = prefilter(white, brdf.Phong(20000.0), tolerance=0.05, size=16, method="angular")
+    # Phong reflects all light; at most 0.75 x 5% may be cut off.
+    np.testing.assert_allclose(found.at_view([0.0, 0.0, 1.0]), 1.0, atol=0.0375)
+
+
+def test_what_no_nodes_resolve_is_said():
+    # The half width of cos^s is sqrt(2 ln 2 / s): a thousandth of the spacing of 2048 columns' nodes.
+    with pytest.warns(UserWarning, match="narrower than what the nodes resolve"):
+        prefilter(SKY, brdf.Phong(1e10), tolerance=0.05, size=2, method="angular")
+
+
+def test_both_results_say_their_size_and_layout():
+    for method in ("frequency", "angular", "auto"):
+        found = prefilter(SKY, brdf.Phong(20), size=12, layout="cube", method=method)
+        assert (found.size, found.layout) == (12, "cube")

@@ -1,0 +1,243 @@
+"""Prefiltered maps of all classes: against brute-force sums under the kernel that each of them assumes."""
+
+import numpy as np
+import pytest
+from shrm import Environment, ImageError, brdf, image_io
+from shrm.frequency.prefilter import prefilter as prefilter_in_frequency
+from shrm.integrate.angular import integrate
+from shrm.lobes.factored import VIEWS, factored, symmetric
+from shrm.prefiltered import (
+    Anisotropic,
+    Cabral,
+    Diffuse,
+    KautzMcCool2D,
+    KautzMcCool3D,
+    Phong,
+    Prefiltered,
+    of_reflection_map,
+    prefilter,
+)
+from shrm.prefiltered.icosahedron import icosahedron
+from support import oracles
+from support.light import band_limited_environment
+
+INTEGRATORS = ["frequency", "angular", "hierarchical"]
+N, V = oracles.random_views(400, seed=1)
+T = oracles.random_hairs(400, seed=2)[0]
+
+
+@pytest.fixture(scope="module")
+def env() -> Environment:
+    """Smooth: what is left to err are the maps, not the texels."""
+    return band_limited_environment(6, seed=3, H=32)
+
+
+def of_kernel(env: Environment, lobe) -> np.ndarray:
+    """Brute force, under a lobe as it is."""
+    return integrate(env, brdf.Material((lobe,), "kernel"), N, V, T, subsamples=2)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize(
+    ("cls", "material"), [(Diffuse, brdf.Lambert((0.8, 0.5, 0.2))), (Phong, brdf.Phong(20))]
+)
+def test_lobes_of_one_shape_are_exact(env, cls, material, integrator):
+    found = cls.prefilter(env, material, integrator=integrator, error=0.005, size=48)
+    assert found.maps.shape == (1, 48, 96, 3)
+    assert oracles.relative_rms(found.radiance(N, V), of_kernel(env, *material.lobes)) < 0.01
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("material", [brdf.GGX(0.3), brdf.Microfacet(0.3)], ids=lambda m: m.name)
+def test_three_dimensions_hold_the_symmetric_lobe(env, material, integrator):
+    found = KautzMcCool3D.prefilter(env, material, integrator=integrator, error=0.005, size=32)
+    expected = of_kernel(env, symmetric(*material.lobes))
+    assert oracles.relative_rms(found.radiance(N, V), expected) < 0.01
+    # which is not the lobe itself
+    assert 0.001 < oracles.relative_rms(expected, of_kernel(env, *material.lobes)) < 0.3
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("lobes", [1, 3])
+def test_two_dimensions_hold_factored_lobes(env, lobes, integrator):
+    material = brdf.GGX(0.3, (1.0, 0.7, 0.3))
+    found = KautzMcCool2D.prefilter(env, material, lobes=lobes, integrator=integrator, error=0.005, size=48)
+    assert len(found.layers) == lobes
+    place = np.arccos(np.einsum("nc,nc->n", N, V)) / (np.pi / 2) * (VIEWS - 1)
+    expected = 0.0
+    for part in factored(*material.lobes, lobes):
+        factor = np.stack([np.interp(place, np.arange(VIEWS), column) for column in part.factor.T], axis=1)
+        expected = expected + factor * of_kernel(env, part.lobe)
+    assert oracles.relative_rms(found.radiance(N, V), expected) < 0.01
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("material", [brdf.Banks(0.5), brdf.KajiyaKay(12)], ids=lambda m: m.name)
+def test_anisotropic_maps_hold_lobes_about_the_tangent(env, material, integrator):
+    found = Anisotropic.prefilter(env, material, integrator=integrator, error=0.005, size=32)
+    assert oracles.relative_rms(found.radiance(N, V, T), of_kernel(env, *material.lobes)) < 0.01
+    with pytest.raises(ValueError, match="needs tangents"):
+        found.radiance(N, V)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("center", ["lobe", "reflection"])
+def test_cabral_is_integration_at_its_twelve_views(env, center, integrator):
+    material = brdf.GGX(0.4).recentered(center)
+    found = Cabral.prefilter(env, material, integrator=integrator, error=0.005, size=32)
+    for view in icosahedron()[[0, 4, 7]]:
+        seen = N[N @ view > 0.05]
+        views = np.broadcast_to(view, seen.shape)
+        expected = integrate(env, material, seen, views, subsamples=2)
+        assert oracles.relative_rms(found.radiance(seen, view), expected) < 0.015
+
+
+@pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
+def test_a_material_of_several_lobes_has_a_map_for_each(env, technique):
+    material = brdf.Lambert(0.5) + 0.3 * brdf.Phong(10) + brdf.GGX(0.4)
+    found = prefilter(env, material, technique, size=24, slices=17)
+    assert [type(one).__name__ for one in found.lobes[:2]] == ["Diffuse", "Phong"]
+    exact = integrate(env, material, N, V, subsamples=2)
+    assert oracles.relative_rms(found.radiance(N, V), exact) < 0.12
+    np.testing.assert_allclose(
+        found.radiance(N, V), sum(one.radiance(N, V) for one in found.lobes), rtol=1e-6
+    )
+
+
+def test_miller_and_heidrich_s_material_takes_two_maps(env):
+    material = brdf.MillerHeidrich((0.6, 0.4, 0.2), 20, f0=0.1)
+    found = prefilter(env, material, "kautz-mccool-2d", size=48, error=0.005)
+    assert [len(one.layers) for one in found.lobes] == [1, 1]
+    assert [one.center for one in found.lobes] == ["normal", "reflection"]
+    exact = integrate(env, material, N, V, subsamples=2)
+    assert oracles.relative_rms(found.radiance(N, V), exact) < 0.01
+
+
+@pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
+def test_a_white_light_shows_the_albedo(technique):
+    """Energy: approximations keep what is reflected of it, for every view."""
+    white = Environment(np.ones((32, 64, 3), np.float32))
+    cosine = np.einsum("nc,nc->n", N, V)
+    inside = np.flatnonzero(cosine > 0.3)[:24]  # twelve views are far apart at grazing ones
+    for material in (brdf.GGX(0.3), brdf.MillerHeidrich(0.5, 20), brdf.Lambert(0.7)):
+        found = prefilter(white, material, technique, size=8, layout="cube", error=0.005)
+        expected = brdf.directional_albedo(material, cosine[inside])
+        got = found.radiance(N[inside], V[inside])[:, 0]
+        assert oracles.relative_rms(got, np.ravel(expected)) < (0.05 if technique == "cabral" else 0.015)
+
+
+@pytest.mark.parametrize("layout", ["latlong", "cube"])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda env, **o: Diffuse.prefilter(env, brdf.Lambert(0.5), **o),
+        lambda env, **o: KautzMcCool3D.prefilter(env, brdf.GGX(0.4), slices=5, **o),
+        lambda env, **o: KautzMcCool2D.prefilter(env, brdf.GGX(0.4, (1, 0.5, 0.2)), lobes=2, **o),
+        lambda env, **o: Cabral.prefilter(env, brdf.GGX(0.4), **o),
+        lambda env, **o: Anisotropic.prefilter(env, brdf.Banks(0.3), slices=5, **o),
+        lambda env, **o: prefilter(env, brdf.Lambert(0.5) + brdf.GGX(0.3), "kautz-mccool-2d", **o),
+    ],
+    ids=["diffuse", "3d", "2d", "cabral", "anisotropic", "sum"],
+)
+def test_files_bring_them_back(env, tmp_path, make, layout):
+    saved = make(env, size=8, layout=layout)
+    saved.save(tmp_path / "map.exr")
+    back = Prefiltered.load(tmp_path / "map.exr")
+    kinds = [type(one) for one in (saved.lobes if isinstance(saved, Prefiltered) else (saved,))]
+    assert [type(one) for one in back.lobes] == kinds
+    np.testing.assert_allclose(back.radiance(N, V, T), saved.radiance(N, V, T), rtol=2e-6, atol=1e-7)
+
+
+@pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
+def test_maps_of_a_shrm_are_those_of_its_light(technique):
+    """By coefficients as by integration, for each kind of lobe."""
+    env = band_limited_environment(4, seed=5, H=16)
+    material = brdf.MillerHeidrich(0.5, 12, 0.2) + 0.4 * brdf.Lambert(0.5) + brdf.GGX(0.5)
+    rm = prefilter_in_frequency(env, material, orders=(8, 6), size=32)
+    found = of_reflection_map(rm, material, technique)
+    expected = prefilter(env, material, technique, size=32, error=0.003)
+    assert [type(one) for one in found.lobes] == [type(one) for one in expected.lobes]
+    assert oracles.relative_rms(found.radiance(N, V), expected.radiance(N, V)) < 0.02
+    with pytest.raises(ValueError, match="must have been prefiltered with"):
+        of_reflection_map(rm, brdf.GGX(0.3), technique)
+
+
+@pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
+def test_black_lobes_and_channels_reflect_nothing(env, technique):
+    for material in (0.0 * brdf.GGX(0.3), (1, 0, 0) * brdf.GGX(0.3)):
+        found = prefilter(env, material, technique, size=8, layout="cube").radiance(N, V)
+        assert np.isfinite(found).all()
+        assert not found[:, 1:].any()
+
+
+def test_no_points_reflect_no_light(env):
+    found = KautzMcCool2D.prefilter(env, brdf.GGX(0.4), size=4)
+    assert found.radiance(N[:0], V[:0]).shape == (0, 3)
+    assert len(repr(prefilter(env, brdf.GGX(0.4), size=4))) < 200
+
+
+def test_damaged_files_are_refused_in_one_line(env, tmp_path):
+    path = tmp_path / "map.exr"
+    KautzMcCool2D.prefilter(env, brdf.GGX(0.4), size=8).save(path)
+    parts = image_io.read_parts(path)
+    for change in (
+        {"shrm:class": "Mirror"},
+        {"shrm:center": "edge"},
+        {"shrm:lobes": 0},
+        {"shrm:lobes": 2},
+        {"shrm:layout": "cube"},
+        {"shrm:class": "Cabral"},
+        {"shrm:class": "Anisotropic"},
+        {"shrm:center": "lobe"},
+    ):
+        first = parts[0]
+        changed = [type(first)(first.name, first.pixels, first.channels, {**first.metadata, **change})]
+        image_io.write_parts(path, changed + list(parts[1:]))
+        with pytest.raises(ImageError, match="damaged") as fault:
+            Prefiltered.load(path)
+        assert "\n" not in str(fault.value)
+    path.write_bytes(path.read_bytes()[:200])
+    with pytest.raises(ImageError, match=r"map\.exr"):
+        Prefiltered.load(path)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "text"),
+    [
+        (
+            lambda e: Diffuse.prefilter(e, brdf.Phong(3)),
+            ValueError,
+            "Diffuse holds a lobe that is radial about the normal",
+        ),
+        (lambda e: Phong.prefilter(e, brdf.GGX(0.3)), ValueError, "Phong holds a lobe that is radial"),
+        (lambda e: KautzMcCool3D.prefilter(e, brdf.Banks(0.3)), ValueError, "KautzMcCool3D holds"),
+        (lambda e: KautzMcCool2D.prefilter(e, brdf.Phong(3)), ValueError, "KautzMcCool2D holds"),
+        (
+            lambda e: Anisotropic.prefilter(e, brdf.GGX(0.3)),
+            ValueError,
+            "Anisotropic holds a lobe that is zonal about",
+        ),
+        (
+            lambda e: Cabral.prefilter(e, brdf.GGX(0.3) + brdf.Lambert(1)),
+            ValueError,
+            "has 2: use prefiltered",
+        ),
+        (
+            lambda e: Diffuse.prefilter(e, brdf.Lambert(1), integrator="magic"),
+            ValueError,
+            "integrator must be",
+        ),
+        (lambda e: Diffuse.prefilter(e, brdf.Lambert(1), error=0), ValueError, "error must be above 0"),
+        (lambda e: Diffuse.prefilter(e, brdf.Lambert(1), size=1), ValueError, "size must be"),
+        (lambda e: Diffuse.prefilter(e, brdf.Lambert(1), layout="disc"), ValueError, "layout must be"),
+        (lambda e: Diffuse.prefilter(e.pixels, brdf.Lambert(1)), TypeError, "env must be"),
+        (lambda e: Diffuse.prefilter(e, "lambert"), TypeError, "brdf must be"),
+        (lambda e: KautzMcCool3D.prefilter(e, brdf.GGX(0.3), slices=1), ValueError, "slices must be"),
+        (lambda e: KautzMcCool2D.prefilter(e, brdf.GGX(0.3), lobes=0), ValueError, "lobes must be"),
+        (lambda e: prefilter(e, brdf.GGX(0.3), "5d"), ValueError, "technique must be"),
+    ],
+)
+def test_what_does_not_fit_is_refused_by_name(env, call, error, text):
+    with pytest.raises(error, match=text) as fault:
+        call(env)
+    assert "\n" not in str(fault.value)

@@ -1,0 +1,1 @@
+"""What tests share: oracles, inputs, meshes, the driver of the window."""

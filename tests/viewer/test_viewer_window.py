@@ -1,0 +1,449 @@
+"""The window, driven without a person: what hands do, and what the picture does then."""
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - to make a picture that image_io does not write
+import pytest
+from shrm import Environment
+from shrm.image_io import ImageWarning, read_image, write_image
+from shrm.render import display
+from shrm.viewer.gpu.context import ContextError
+from shrm.viewer.window.shortcuts import METHODS
+from shrm.viewer.window.state import UNTURNED, State
+from support.window_driver import GL, MIDDLE, SIZE, WHOLE_PANEL, WIDTH, Application, Opened, glfw, same
+
+
+def test_it_shows_the_objects_as_the_renderer_tone_maps_them(opened: Opened) -> None:
+    hands = opened()
+    shown, picture = hands.look(), hands.app.screen.picture()
+    assert shown.shape == (240, 200, 3)
+    assert picture.coverage[120, 100] == 1.0
+    assert picture.coverage[2, 2] == 0.0
+    assert shown[2, 2].any()
+    expected = display(picture.radiance, hands.app.state.exposure)
+    assert np.abs(shown.astype(int) - expected).max() <= 1
+
+
+def test_left_drags_orbit_and_shifted_ones_pan(opened: Opened) -> None:
+    hands = opened()
+    app, before = hands.app, hands.look()
+    eye = app.state.eye
+    assert eye is not None
+    hands.drag(glfw.MOUSE_BUTTON_LEFT, MIDDLE, (MIDDLE[0] + 60, MIDDLE[1] + 20))
+    orbited = app.state.eye
+    assert orbited is not None
+    assert (orbited.azimuth, orbited.elevation) == pytest.approx((eye.azimuth - 24, eye.elevation + 8))
+    assert not same(hands.look(), before)
+    app.on_cursor(*MIDDLE)  # released: nothing follows
+    assert app.state.eye == orbited
+    hands.drag(glfw.MOUSE_BUTTON_MIDDLE, MIDDLE, (MIDDLE[0] + 10, MIDDLE[1]))
+    hands.drag(glfw.MOUSE_BUTTON_LEFT, MIDDLE, (MIDDLE[0] + 10, MIDDLE[1]), mods=glfw.MOD_SHIFT)
+    panned = app.state.eye
+    assert panned is not None
+    assert (panned.azimuth, panned.target == eye.target) == (orbited.azimuth, False)
+    app.on_scroll(0.0, 2.0)
+    assert app.state.eye is not None
+    assert app.state.eye.distance < panned.distance
+    hands.press(glfw.KEY_F)
+    assert app.state.eye.target == pytest.approx(eye.target)
+    assert app.state.light == UNTURNED
+    assert app.lighting.answered == 1  # no eye needs other maps
+
+
+def test_right_drags_turn_the_light_and_what_is_behind(opened: Opened) -> None:
+    hands = opened()
+    app, before = hands.app, hands.look()
+    eye, exposure = app.state.eye, app.state.exposure
+    path = [(MIDDLE[0] + 12 * k, MIDDLE[1] + 5 * k) for k in range(6)]
+    hands.drag(glfw.MOUSE_BUTTON_RIGHT, *path)
+    hands.settle()
+    assert app.result is not None
+    assert app.result.request.light == app.state.light != UNTURNED
+    assert (app.state.eye, app.state.exposure) == (eye, exposure)
+    turned = hands.look()
+    changed = np.abs(turned.astype(int) - before).max(axis=2) > 1
+    assert changed[118:122, 60:140].mean() > 0.5  # on the sphere
+    assert changed[:10].mean() > 0.5  # behind it
+    hands.press(glfw.KEY_R)
+    back = hands.look()
+    assert np.abs(back.astype(int) - before).max() <= 1
+
+
+def test_a_slider_prefilters_while_it_moves(opened: Opened) -> None:
+    hands = opened()
+    app, before = hands.app, hands.look()
+    left, right = hands.place("alpha", 0.3), hands.place("alpha", 0.9)
+    app.on_cursor(*left)
+    app.frame()
+    app.on_mouse_button(glfw.MOUSE_BUTTON_LEFT, glfw.PRESS, 0)
+    app.frame()
+    pictures = []
+    for share in (0.0, 0.5, 1.0):
+        app.on_cursor(left[0] + share * (right[0] - left[0]), left[1])
+        hands.settle()  # the button is still down
+        pictures.append(hands.look(away=False))
+    app.on_mouse_button(glfw.MOUSE_BUTTON_LEFT, glfw.RELEASE, 0)
+    hands.settle()
+    assert all(not same(a, b) for a, b in zip([before, *pictures], pictures, strict=False))
+    assert app.result is not None
+    assert app.result.maps[0].brdf == app.state.materials[0] != "ggx(alpha=0.4)"
+    assert app.state.eye is not None
+    assert app.state.eye.azimuth == 0.0
+
+
+def test_controls_of_method_accuracy_and_picture(opened: Opened) -> None:
+    hands = opened(WHOLE_PANEL)
+    app = hands.app
+    hands.click("orders F, P")
+    assert app.result is not None
+    assert app.state.orders == (app.result.maps[0].F, app.result.maps[0].P)
+    hands.click("near (eq. 7)")
+    assert app.state.viewer == "near"
+    near = hands.look()
+    hands.click("distant (eq. 12)")
+    assert not same(hands.look(), near)
+    with_background = hands.look()
+    hands.click("background")
+    assert not hands.look()[2, 2].any()
+    hands.press(glfw.KEY_B)
+    assert same(hands.look(), with_background)
+    exposure = app.state.exposure
+    hands.click("exposure")
+    assert app.state.exposure != pytest.approx(exposure, abs=0.02)
+    assert not app.state.automatic
+    assert not same(hands.look(), with_background)
+    hands.press(glfw.KEY_E)
+    assert app.state.automatic
+    assert app.state.exposure == pytest.approx(exposure, abs=0.02)  # found with fewer samples at first
+
+
+def test_objects_are_added_and_removed(opened: Opened) -> None:
+    hands = opened(WHOLE_PANEL, materials=("lambert:0.8", "phong:8"))
+    app, before = hands.app, hands.look()
+    assert app.result is not None
+    assert len(app.result.maps) == 2
+    hands.click("Add object")
+    assert app.state.materials == ("lambert:0.8", "phong:8", "lambert:0.8")
+    assert app.state.selected == 2
+    assert not same(hands.look(), before)
+    hands.click("object 2")
+    assert app.state.selected == 1
+    hands.click("object 3")
+    hands.click("Remove")
+    assert same(hands.look(), before)
+
+
+def test_pictures_and_meshes_are_dropped(opened: Opened, tmp_path: Path) -> None:
+    hands = opened(WHOLE_PANEL)
+    app, before = hands.app, hands.look()
+    write_image(tmp_path / "other.exr", Environment.daylight(size=32).pixels)
+    app.on_drop([str(tmp_path / "other.exr")])
+    hands.settle()
+    lit = hands.look()
+    assert not same(lit, before)
+    triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    (tmp_path / "triangle.obj").write_text(triangle)
+    app.on_drop([str(tmp_path / "triangle.obj")])
+    hands.settle()
+    assert not same(hands.look(), lit)
+    assert app.fault == ""
+    hands.click("Back to sphere")
+    assert same(hands.look(), lit)
+
+
+def test_tangents_are_chosen_where_a_material_has_a_lobe_about_them(opened: Opened, tmp_path: Path) -> None:
+    hands = opened(WHOLE_PANEL, materials=("banks:0.5",))
+    app = hands.app
+    assert "tangents" in app.panel.widgets.places  # though a sphere has no choice of them
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    (tmp_path / "bare.obj").write_text(corners + "f 1 2 3\n")
+    (tmp_path / "aslant.obj").write_text(corners + "vt 0 0\nvt 1 1\nvt -1 1\nf 1/1 2/2 3/3\n")
+    app.on_drop([str(tmp_path / "aslant.obj")])
+    hands.settle()
+    before, eye = hands.look(), app.state.eye
+
+    def choose(line: int) -> None:
+        hands.click("tangents")  # its list opens
+        left, top, _, bottom = app.panel.widgets.places["tangents"]
+        place = left + 20.0, bottom + 10.0 + 0.8 * (line - 0.5) * (bottom - top)
+        hands.drag(glfw.MOUSE_BUTTON_LEFT, place)
+        hands.settle()
+
+    choose(2)
+    assert (app.state.tangents, app.fault) == ("uv", "")
+    along_u = hands.look()
+    assert not same(along_u, before)
+    assert app.state.eye == eye
+    app.on_drop([str(tmp_path / "bare.obj")])
+    hands.settle()
+    assert "bare.obj: no texture coordinates" in app.fault
+    assert same(hands.look(), along_u)
+    assert app.state.mesh == str(tmp_path / "aslant.obj")
+    choose(1)
+    assert (app.state.tangents, app.fault) == ("axis", "")
+    app.state = app.state.with_material(0, "ggx:0.4")
+    hands.settle()
+    assert "tangents" not in app.panel.widgets.places
+
+
+def test_a_refused_picture_is_repaired_or_given_its_layout(opened: Opened, tmp_path: Path) -> None:
+    hands = opened(WHOLE_PANEL)
+    app, before = hands.app, hands.look()
+    holed = np.ones((16, 32, 3), np.float32)
+    holed[3, 5] = np.nan
+    written = oiio.ImageBuf(holed)
+    assert written.write(str(tmp_path / "holed.exr"))
+    write_image(tmp_path / "odd.exr", np.ones((9, 25, 3), np.float32))
+    app.on_drop([str(tmp_path / "holed.exr")])
+    hands.settle()
+    assert "holed.exr" in app.fault
+    assert same(hands.look(), before)
+    hands.click("repair")
+    assert app.fault == app.refused == ""
+    assert app.state.environment == str(tmp_path / "holed.exr")
+    assert not same(hands.look(), before)
+    app.on_drop([str(tmp_path / "odd.exr")])
+    hands.settle()
+    assert "odd.exr" in app.fault  # nothing says how it shows the sphere
+    assert app.state.environment == str(tmp_path / "holed.exr")
+    hands.click("layout")  # its list opens
+    left, _, _, bottom = app.panel.widgets.places["layout"]
+    hands.drag(glfw.MOUSE_BUTTON_LEFT, (left + 20.0, bottom + 31.0))  # the second line of it
+    hands.settle()
+    assert (app.state.environment, app.state.layout) == (str(tmp_path / "odd.exr"), "latlong")
+    assert app.fault == app.refused == ""
+
+
+@pytest.mark.parametrize("name", ["garbage.hdr", "garbage.ply", "garbage.json", "garbage", "missing.exr"])
+def test_what_is_no_picture_leaves_the_picture(opened: Opened, tmp_path: Path, name: str) -> None:
+    hands = opened()
+    app, before, state = hands.app, hands.look(), hands.app.state
+    if "missing" not in name:
+        (tmp_path / name).write_bytes(bytes(range(256)))
+    quiet = hands.look(whole=True)[:40, :WIDTH]
+    app.on_drop([str(tmp_path / name)])
+    hands.settle()
+    assert name in app.fault
+    assert "\n" not in app.fault
+    assert same(hands.look(), before)
+    assert app.state == state
+    red = hands.look(whole=True)[:40, :WIDTH].astype(int)
+    assert not same(red.astype(np.uint8), quiet)
+    assert (red[..., 0] - red[..., 1]).max() > 100
+    hands.drag(glfw.MOUSE_BUTTON_RIGHT, MIDDLE, (MIDDLE[0] + 40, MIDDLE[1]))
+    hands.settle()
+    assert not same(hands.look(), before)
+
+
+def test_a_wrong_material_is_said_and_the_last_one_comes_back(opened: Opened) -> None:
+    hands = opened()
+    app, before = hands.app, hands.look()
+    app.state = app.state.with_material(0, "velvet:3")
+    hands.settle()
+    assert "velvet" in app.fault
+    assert app.state.materials == ("ggx:0.4",)
+    assert same(hands.look(), before)
+
+
+def test_resizing_and_hiding_the_panel(opened: Opened) -> None:
+    hands = opened()
+    glfw.set_window_size(hands.app.window, WIDTH + 300, 260)
+    hands.settle()
+    assert hands.look().shape == (260, 300, 3)
+    assert hands.app.screen.picture().radiance.shape == (260, 300, 3)
+    hands.press(glfw.KEY_TAB)
+    assert hands.look().shape == (260, WIDTH + 300, 3)
+    glfw.set_window_size(hands.app.window, *SIZE)
+    hands.press(glfw.KEY_TAB)
+    assert hands.look().shape == (240, 200, 3)
+    glfw.set_window_size(hands.app.window, 100, 100)  # narrower than the panel
+    hands.settle()
+    glfw.set_window_size(hands.app.window, *SIZE)
+    hands.settle()
+    assert hands.look().shape == (240, 200, 3)
+
+
+def test_screenshots_are_what_is_shown(opened: Opened, tmp_path: Path) -> None:
+    hands = opened()
+    shown, picture = hands.look(), hands.app.screen.picture()
+    hands.press(glfw.KEY_S)
+    hands.press(glfw.KEY_S)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        f"shrm-00{number}{suffix}" for number in (1, 2) for suffix in (".exr", ".png")
+    ]
+    assert np.array_equal(read_image(tmp_path / "shrm-001.exr").pixels, picture.radiance)
+    with pytest.warns(ImageWarning, match="decoded from sRGB"):
+        stored = read_image(tmp_path / "shrm-001.png").pixels
+    assert np.abs(display(stored).astype(int) - shown).max() <= 1
+
+
+def test_the_state_is_saved_and_opened(opened: Opened, tmp_path: Path) -> None:
+    hands = opened()
+    hands.drag(glfw.MOUSE_BUTTON_LEFT, MIDDLE, (MIDDLE[0] + 40, MIDDLE[1]))
+    hands.drag(glfw.MOUSE_BUTTON_RIGHT, MIDDLE, (MIDDLE[0] + 40, MIDDLE[1]))
+    hands.settle()
+    state, before = hands.app.state, hands.look()
+    hands.press(glfw.KEY_S, glfw.MOD_CONTROL)
+    assert State.load(tmp_path / "shrm-view.json") == state
+    hands.app.state = replace(state, light=UNTURNED, materials=("ggx:0.4", "lambert:0.5"))
+    hands.settle()
+    assert hands.app.state.eye != state.eye
+    assert not same(hands.look(), before)
+    hands.press(glfw.KEY_O, glfw.MOD_CONTROL)
+    assert hands.app.state == state
+    assert same(hands.look(), before)
+
+
+def test_integration_agrees_with_the_maps(opened: Opened) -> None:
+    hands = opened(materials=("lambert:0.8", "ggx:0.4"), viewer="near", background=False)
+    drawn = hands.app.screen.picture()
+    hands.press(glfw.KEY_2)
+    integrated = hands.app.screen.picture()
+    inside = drawn.coverage == 1.0
+    difference = (integrated.radiance - drawn.radiance)[inside]
+    assert hands.app.comparison.says.startswith("integrated: the maps are ")
+    assert np.any(difference != 0.0)
+    assert np.sqrt((difference**2).mean() / (drawn.radiance[inside] ** 2).mean()) < hands.app.state.tolerance
+    hands.press(glfw.KEY_3)
+    shown = hands.app.screen.picture().radiance[inside]
+    assert shown == pytest.approx(8.0 * np.abs(difference), abs=1e-4)
+    hands.press(glfw.KEY_1)
+    assert np.array_equal(hands.app.screen.picture().radiance, drawn.radiance)
+
+
+def test_methods_are_compared(opened: Opened) -> None:
+    hands = opened(WHOLE_PANEL, materials=("ggx(alpha=0.4,f0=0.04)",), orders=(6, 4), viewer="near")
+    app, pictures = hands.app, {"shrm": hands.look()}
+    for method in METHODS[1:]:
+        hands.press(glfw.KEY_M)
+        assert app.state.method == method
+        pictures[method] = hands.look()
+    assert not any(same(pictures[a], pictures[b]) for a, b in combinations(METHODS, 2))
+    hands.press(glfw.KEY_2)
+    answered, off = app.comparison.worker.answered, {}
+    for _ in METHODS:
+        drawn, integrated = app.screen.drawn_picture(), app.screen.picture()
+        inside = (drawn.coverage == 1.0) & (integrated.coverage == 1.0)
+        difference = (drawn.radiance - integrated.radiance)[inside]
+        expected = np.sqrt((difference**2).sum() / (integrated.radiance[inside] ** 2).sum())
+        found = re.fullmatch(r"integrated: the maps are (.+) % off", app.comparison.says)
+        assert found
+        off[app.state.method] = float(found[1])
+        assert float(found[1]) == pytest.approx(100 * expected, rel=0.06)  # two digits; half-covered pixels
+        hands.press(glfw.KEY_M)
+    assert off["shrm"] == min(off.values())
+    assert off["kautz-mccool-3d"] <= off["kautz-mccool-2d"]
+    assert max(off.values()) < 60.0
+    assert app.comparison.worker.answered == answered  # the same integral serves all of them
+
+
+def test_the_gpu_filters_for_a_turned_light_and_refuses_hair(opened: Opened) -> None:
+    hands = opened(materials=("ggx(alpha=0.4)",), method="hardware", viewer="near")
+    before = hands.look()
+    hands.drag(glfw.MOUSE_BUTTON_RIGHT, MIDDLE, (MIDDLE[0] + 80, MIDDLE[1]))
+    hands.settle()
+    turned = hands.look()
+    assert not same(turned, before)
+    # As the SHRM turns: both are approximations of one picture.
+    hands.app.state = replace(hands.app.state, method="shrm")
+    hands.settle()
+    frequency = hands.look()
+    assert np.abs(frequency.astype(int) - turned).mean() < np.abs(frequency.astype(int) - before).mean()
+    hands.app.state = replace(hands.app.state, method="hardware", materials=("kajiya-kay(exponent=8)",))
+    hands.settle()
+    assert "about the tangent" in hands.app.fault
+    assert hands.app.state.method == "shrm"
+
+
+def test_more_maps_than_layers_are_said_and_the_viewer_goes_far(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hands = opened(orders=(6, 2))
+    app, before = hands.app, hands.look()
+    monkeypatch.setitem(app.context.gl.info, "GL_MAX_ARRAY_TEXTURE_LAYERS", 6 * 9 - 1)
+    app.state = replace(app.state, viewer="near")
+    hands.settle()
+    assert "distant viewer" in app.fault
+    assert app.state.viewer == "distant"
+    assert same(hands.look(), before)
+
+
+def test_keys_are_listed_and_end_it(opened: Opened) -> None:
+    hands = opened()
+    before = hands.look()
+    hands.app.on_char(ord("?"))
+    hands.settle()
+    assert not same(hands.look(), before)
+    hands.app.on_char(ord("?"))
+    hands.settle()
+    assert same(hands.look(), before)
+    hands.press(glfw.KEY_ESCAPE)
+    assert same(hands.look(), before)
+    hands.app.on_key(glfw.KEY_Q, 0, glfw.PRESS, 0)
+    hands.app.run()  # and returns
+
+
+def test_five_hundred_frames_leave_as_many_objects_on_the_gpu(opened: Opened) -> None:
+    hands = opened()
+    app = hands.app
+
+    def objects() -> int:
+        kinds = (GL.glIsTexture, GL.glIsBuffer, GL.glIsFramebuffer, GL.glIsVertexArray, GL.glIsProgram)
+        return sum(bool(exists(name)) for exists in kinds for name in range(1, 2000))
+
+    def frames(count: int) -> None:
+        app.on_cursor(*MIDDLE)
+        for index in range(count):
+            app.on_mouse_button(glfw.MOUSE_BUTTON_LEFT + index % 2, glfw.PRESS, 0)
+            app.on_cursor(MIDDLE[0] + index % 50, MIDDLE[1])
+            app.on_mouse_button(glfw.MOUSE_BUTTON_LEFT + index % 2, glfw.RELEASE, 0)
+            app.frame()
+            if index % 100 == 0:
+                app.state = app.state.with_material(0, f"ggx:{0.4 + 0.0005 * index:.3f}")
+                hands.settle()
+        hands.settle()
+
+    frames(20)
+    before = objects(), len(app.renderer.resources)
+    frames(500)
+    assert (objects(), len(app.renderer.resources)) == before
+    assert GL.glGetError() == 0
+
+
+def test_the_first_fault_ends_it(screen: None, tmp_path: Path) -> None:
+    app = Application(State(environment=str(tmp_path / "missing.hdr")), *SIZE, visible=False)
+    with pytest.raises((OSError, ValueError), match="missing"):
+        app.run()
+    app.close()
+
+
+def test_without_a_display_one_line_says_what_to_do() -> None:
+    without = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    code = "import sys; from shrm.cli import main; sys.exit(main(['view']))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=without)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    assert "DISPLAY" in line
+    assert "shrm render --gpu" in line
+    assert issubclass(ContextError, RuntimeError)
+
+
+@pytest.mark.parametrize(
+    "arguments", [("--brdf", "velvet:1"), ("--size", "3"), ("--near", "--distant"), ("--orders", "3")]
+)
+def test_a_wrong_command_line_opens_nothing(
+    shrm: Callable[..., tuple[int, str, str]], arguments: tuple[str, ...]
+) -> None:
+    status, out, err = shrm("view", *arguments)
+    assert status == 2
+    assert out == ""
+    assert len(err.splitlines()) == 1
