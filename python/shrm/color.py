@@ -1,11 +1,4 @@
-"""Linear RGB spaces: from chromaticities to matrices, and to Rec. 709, in which shrm works.
-
-References
-----------
-.. [SMPTE177] SMPTE RP 177, Derivation of Basic Television Color Equations, 1993.
-.. [Lam85] K. M. Lam. Metamerism and Color Constancy. PhD thesis, Bradford, 1985 (the "Bradford" matrix).
-.. [BT709] ITU-R Recommendation BT.709-6, 2015.
-"""
+"""Linear RGB spaces: from chromaticities to matrices, and to Rec. 709, in which shrm works."""
 
 from __future__ import annotations
 

@@ -6,10 +6,6 @@ at +z, the center looking along +x, nothing mirrored when seen from inside.
 
 Everything is separable: F-degree coefficients of an S x 2S picture take O(F S^2) operations [RH02 section
 6.1].
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

@@ -1,10 +1,6 @@
 """What prefiltering takes, counted: samples and flops of both sides of [RH02] tables 4 and 5.
 
 A multiply-add is two flops, a root's inverse one.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

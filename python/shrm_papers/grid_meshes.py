@@ -1,11 +1,4 @@
-"""Meshes that are bent grids: the torus and the sphere of [KVHS00] section 5.2, and for who has no mesh.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-[LK03] J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-"""
+"""Meshes that are bent grids: the torus and the sphere of [KVHS00] section 5.2, and for who has no mesh."""
 
 from __future__ import annotations
 

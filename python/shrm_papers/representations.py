@@ -2,11 +2,6 @@
 
 All are looked up by the same bilinear interpolation in numpy, so that their times may be compared. R is the
 reflected view, by which all maps are indexed.
-
-References
-----------
-[RH02]  R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-[CON99] B. Cabral, M. Olano, P. Nemec. Reflection Space Image Based Rendering. SIGGRAPH 1999.
 """
 
 from __future__ import annotations

@@ -42,15 +42,32 @@ def test_one_version_everywhere() -> None:
     )
 
 
-def test_what_is_cited_is_in_the_bibliography_and_what_is_there_is_cited() -> None:
-    core = ROOT / "cpp" / "shrm" / "core.hpp"
-    entries = re.findall(r"^//   \[(\w+)\] ", core.read_text(), re.MULTILINE)
+BIBLIOGRAPHIES = {
+    "python": ("python/shrm/bibliography.py", r"^    \[(\w+)\] ", ["python/**/*.py", "tests/**/*.py"]),
+    "core": ("cpp/shrm/core.hpp", r"^//   \[(\w+)\] ", ["cpp/**/*.[ch]pp", "tests/*.cpp"]),
+}
+
+
+@pytest.mark.parametrize(("place", "entry", "sources"), BIBLIOGRAPHIES.values(), ids=BIBLIOGRAPHIES)
+def test_what_is_cited_is_in_the_bibliography_and_what_is_there_is_cited(
+    place: str, entry: str, sources: list[str]
+) -> None:
+    text = (ROOT / place).read_text()
+    entries = re.findall(entry, text, re.MULTILINE)
     key = re.compile(r"\[([A-Z][A-Za-z]*\d{2,3})(?=[\],; ])")
-    sources = [*ROOT.glob("cpp/**/*.[ch]pp"), *ROOT.glob("python/**/*.py"), *ROOT.glob("tests/*.py")]
-    cited = {found for path in sources if path != core for found in key.findall(path.read_text())}
+    paths = {path for pattern in sources for path in ROOT.glob(pattern)} - {ROOT / place}
+    cited = {name for path in paths for name in key.findall(path.read_text())}
+    if place.endswith(".hpp"):  # its conventions, after the bibliography or before, cite too
+        cited |= set(key.findall(re.sub(entry, "", text, flags=re.MULTILINE)))
     assert len(entries) == len(set(entries))
     assert cited - set(entries) == set()
     assert set(entries) - cited == set()
+
+
+def test_bibliographies_are_found_in_one_place_each() -> None:
+    """Modules cite by key; who wants the title looks it up there."""
+    for path in ROOT.glob("python/**/*.py"):
+        assert not re.search(r"^ *References\n *-+$", path.read_text(), re.MULTILINE), path
 
 
 def test_importing_the_package_and_the_command_is_light() -> None:

@@ -16,6 +16,7 @@ PACKAGES = ROOT / "python"
 
 # Each room may import only those above it.
 ROOMS = [
+    "bibliography",
     "arrays",
     "_core",
     "validation",
@@ -46,6 +47,7 @@ ONLY_IN = {
     **{library: {"render", "transfer"} for library in ("trimesh", "embreex")},
 }
 WITHOUT_THE_CORE = {
+    "bibliography",
     "arrays",
     "validation",
     "files",

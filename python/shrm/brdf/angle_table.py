@@ -5,10 +5,6 @@
 
 theta_h is the angle of the half vector from the normal, (theta_d, phi_d) the direction of L in the frame of
 H, whose x axis leads away from the normal [R98]. Exchanging L and V turns phi_d into pi - phi_d.
-
-References
-----------
-[R98] S. Rusinkiewicz. A New Change of Variables for Efficient BRDF Representation. EGWR 1998.
 """
 
 from __future__ import annotations

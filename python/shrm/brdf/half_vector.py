@@ -1,10 +1,6 @@
 """The half vector H = (L + V) / |L + V| and Schlick's Fresnel term, for the microfacet models.
 
-References
-----------
-[WMLT07] B. Walter, S. Marschner, H. Li, K. Torrance. Microfacet Models for Refraction through
-Rough Surfaces. EGSR 2007.
-C. Schlick. An Inexpensive BRDF Model for Physically-Based Rendering. CGF 13(3), 1994.
+Sources: [WMLT07].
 """
 
 from typing import NamedTuple

@@ -20,10 +20,6 @@ The central direction, with theta_v the angle between N and V [RH02 sec. 3.1]:
     "tangent"       C = T
 
 A *material* (`BRDF`) is a sum of lobes, each with its own center.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

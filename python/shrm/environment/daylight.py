@@ -1,17 +1,10 @@
 """Daylight from published formulas: the sky, the sun and a plain ground.
 
 The sky's luminance and chromaticity are Perez distributions with the zenith's values [PSS99, eqs. 3, 4
-and appendix A.2]. The sun is a black body of 5778 K [Planck], dimmed by the atmosphere's Rayleigh scattering
-and haze [PSS99, appendix A.1]; ozone and water vapour are left out (less than 5%). Colors come from spectra
-by the CIE 1931 observer, approximated by [WSS13]. The ground is a diffuse plane of one albedo, lit by sky and
-sun.
-
-References
-----------
-.. [PSS99] A. J. Preetham, P. Shirley, B. Smits. A Practical Analytic Model for Daylight. SIGGRAPH 1999.
-.. [WSS13] C. Wyman, P.-P. Sloan, P. Shirley. Simple Analytic Approximations to the CIE XYZ Color Matching
-   Functions. JCGT 2(2), 2013.
-.. [Planck] B(lambda, T) = 2 h c^2 / lambda^5 / (exp(h c / (lambda k T)) - 1).
+and appendix A.2]. The sun is a black body of 5778 K by Planck's law, dimmed by the atmosphere's Rayleigh
+scattering and haze [PSS99, appendix A.1]; ozone and water vapour are left out (less than 5%). Colors come
+from spectra by the CIE 1931 observer, approximated by [WSS13]. The ground is a diffuse plane of one albedo,
+lit by sky and sun.
 """
 
 from __future__ import annotations
@@ -55,7 +48,7 @@ def sun_irradiance(elevation: float, turbidity: float) -> FloatArray:
     mass = 1.0 / (math.cos(math.radians(zenith)) + 0.15 * (93.885 - zenith) ** -1.253)
     rayleigh = np.exp(-0.008735 * wavelength**-4.08 * mass)
     haze = np.exp(-(0.04608 * turbidity - 0.04586) * wavelength**-1.3 * mass)
-    # [Planck], W/(m^2 sr) per metre of wavelength.
+    # Planck: 2 h c^2 / lambda^5 / (exp(h c / (lambda k T)) - 1), W/(m^2 sr) per metre of wavelength.
     metres = wavelength * 1e-6
     radiance = 2 * 6.62607015e-34 * 299792458.0**2 / metres**5
     radiance /= np.expm1(6.62607015e-34 * 299792458.0 / (metres * 1.380649e-23 * _SUN_TEMPERATURE))

@@ -1,11 +1,4 @@
-"""The environment: light from every direction of a distant sphere.
-
-References
-----------
-.. [RH01] R. Ramamoorthi, P. Hanrahan. An Efficient Representation for Irradiance Environment Maps.
-   SIGGRAPH 2001.
-.. [RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-"""
+"""The environment: light from every direction of a distant sphere."""
 
 from __future__ import annotations
 

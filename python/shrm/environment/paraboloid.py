@@ -7,11 +7,7 @@ In each a direction at the angle theta from its axis is tan(theta / 2) from its 
 The border continues the paraboloid beyond the disc and so shows what the other face shows too, so that
 look-ups and filters need not stop at the rim [KVHS00 section 5.2].
 
-References
-----------
-[HS98] W. Heidrich, H.-P. Seidel. View-independent Environment Maps. Graphics Hardware 1998.
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
+Sources: [HS98].
 """
 
 from __future__ import annotations

@@ -17,10 +17,7 @@ f_pq(theta_o), p <= P. The weight is the measure cos^2(theta_v) uniform. For C =
 sphere about R, sin(theta_o) dtheta_o / 2; there the f_pq are orthogonal, of mean square 1 / 4 pi, and the fit
 is the integral rho_lpq = 2 pi int g_lq f_pq sin(theta_o) dtheta_o of [RH02] eq. 13.
 
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-[R02]  R. Ramamoorthi. PhD thesis, Stanford, 2002, chapter 5.
+Sources: [R02].
 """
 
 from __future__ import annotations

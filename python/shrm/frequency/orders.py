@@ -14,10 +14,6 @@ Four criteria [RH02 section 5.1]:
 `bound`
     [RH02] appendix B, a bound on the fraction of reflected energy left out, with two corrections: the proof
     needs Lambda_{F+1}^2 where Lambda_{F+1} is printed, and what degrees l <= F lose in p > P is added.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

@@ -3,10 +3,6 @@
 The three steps of [RH02] appendix C: coefficients of light and material, their product, synthesis. The
 global form is synthesised at once, as an ordinary band-limited function (see
 `cpp/shrm/map_coefficients.hpp`).
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

@@ -9,10 +9,6 @@ may be interpolated and resampled. Lobes without azimuth (radial, or about the t
 the *local* form, P + 1 maps, and radiance = sum_p B_p0(C) Y_p0(angle between C and V)     [RH02] eq. 6.
 
 A material of several lobes has a part for each, about its own center.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

@@ -3,10 +3,6 @@
 What depends on the sizes, the orders and the material alone is made once. A frame then takes an analysis (or
 none, if the light has only turned: its coefficients are rotated), a product and a synthesis [RH02 section
 6.1, appendix C].
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

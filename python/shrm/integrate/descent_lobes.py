@@ -3,11 +3,6 @@
 The difference of a lobe between a node and its children says how far to descend [KVHS00 section 5.1], but for
 lobes so narrow that no sample meets them: near where most of a lobe lies nodes are split until they are small
 against it. The tables are those of direct integration.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
 """
 
 from __future__ import annotations

@@ -3,12 +3,6 @@
 [KVHS00] section 5.1 with the light taken into account. The pyramid is a quadtree over the two paraboloids of
 [HS98]. Its nodes hold power, radiance times solid angle, at their centroid; a lobe is compared between a node
 and its children, and only where their difference would change the reflected light are they entered.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-[HS98] W. Heidrich, H.-P. Seidel. View-independent Environment Maps. Graphics Hardware 1998.
 """
 
 from __future__ import annotations

@@ -4,10 +4,7 @@ gamma = theta_v makes C the reflection R of the paper, gamma = 0 the normal. The
 that C is the mean direction of rho_hat^2. Renderers look gamma(theta_v) up in a short table, as the analysis
 and the integrators do.
 
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-    Section 3.1.
+Sources: [RH02].
 """
 
 from __future__ import annotations

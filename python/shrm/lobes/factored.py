@@ -7,13 +7,6 @@ nearest in the same sense are the singular vectors of the lobe's table; their fa
 as much of a white light is reflected as by the lobe. With Phong's shape in place of the
 nearest it is the glossy part of Miller's and Heidrich's sum [KVHS00 eq. 2]. The cosine is in the lobe, as
 everywhere here.
-
-References
-----------
-[KM00] J. Kautz, M. McCool. Approximation of Glossy Reflection with Prefiltered Environment Maps. Graphics
-    Interface 2000.
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. EGWR 2000. Section 4.
 """
 
 from __future__ import annotations

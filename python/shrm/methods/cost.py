@@ -8,12 +8,6 @@ where the light has many texels, and a table and a search for its threshold more
 
 The rates are seconds of one thread, measured at 128 x 64 to 512 x 256 texels of light;
 where another machine is faster, it is so for both methods, and their ratio decides.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
 """
 
 from __future__ import annotations

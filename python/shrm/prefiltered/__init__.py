@@ -17,13 +17,7 @@ the angle theta_o between C and V does. Layers are made by any of the integrator
     material    the maps of a material of several lobes, from an environment or from a SHRM
     file        their files
 
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-[KM00] J. Kautz, M. McCool. Approximation of Glossy Reflection with Prefiltered Environment Maps. Graphics
-    Interface 2000.
-[CON99] B. Cabral, M. Olano, P. Nemec. Reflection Space Image Based Rendering. SIGGRAPH 1999.
+Sources: [KM00], [CON99].
 """
 
 from shrm.prefiltered.maps import (

@@ -3,13 +3,6 @@
 Both ways: from a SHRM to Cabral's twelve icosahedral maps, to Kautz and McCool's three-dimensional texture
 and to an explicit set for a grid of views; and from any explicit set of maps to a SHRM, by fitting its
 coefficients.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-[CON99] B. Cabral, M. Olano, P. Nemec. Reflection Space Image Based Rendering. SIGGRAPH 1999.
-[KM00] J. Kautz, M. McCool. Approximation of Glossy Reflection with Prefiltered Environment Maps. Graphics
-    Interface 2000.
 """
 
 from __future__ import annotations

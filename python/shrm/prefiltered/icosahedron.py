@@ -1,11 +1,4 @@
-"""An icosahedron's vertices as views, and the weights by which others lie between them [CON99].
-
-References
-----------
-[CON99] B. Cabral, M. Olano, P. Nemec. Reflection Space Image Based Rendering. SIGGRAPH 1999.
-[OS83] A. van Oosterom, J. Strackee. The Solid Angle of a Plane Triangle. IEEE Transactions on Biomedical
-    Engineering 30(2), 1983.
-"""
+"""An icosahedron's vertices as views, and the weights by which others lie between them [CON99]."""
 
 from __future__ import annotations
 

@@ -1,14 +1,4 @@
-"""The classes of prefiltered maps, each with what it keeps of L(v, n, t) [KVHS00 section 4].
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-[KM00] J. Kautz, M. McCool. Approximation of Glossy Reflection with Prefiltered Environment Maps. Graphics
-    Interface 2000.
-[CON99] B. Cabral, M. Olano, P. Nemec. Reflection Space Image Based Rendering. SIGGRAPH 1999.
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-"""
+"""The classes of prefiltered maps, each with what it keeps of L(v, n, t) [KVHS00 section 4]."""
 
 from __future__ import annotations
 

@@ -1,10 +1,6 @@
 """Dual-paraboloid maps as materials: look-ups without a seam between the two faces.
 
-References
-----------
-[HS98] W. Heidrich, H.-P. Seidel. View-independent Environment Maps. Graphics Hardware 1998.
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
+Sources: [HS98], [KVHS00].
 """
 
 from __future__ import annotations

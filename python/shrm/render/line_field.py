@@ -3,13 +3,8 @@
 In a plane with an orthonormal basis, the line at the angle phi from its first vector is the complex number
 r exp(2 i phi): turned by pi it is the same, lines at right angles cancel, and r is its weight. The symmetric
 tensor (a, b; b, c) is its mean (a + c) / 2 and the line (a - c) / 2 + i b. Such numbers can be averaged once
-they are in one plane; the smallest rotation that takes normal to normal carries them from plane to plane.
-
-References
-----------
-F. Knoeppel, K. Crane, U. Pinkall, P. Schroeder. Globally Optimal Direction Fields. ACM TOG 32(4), 2013.
-M. Meyer, M. Desbrun, P. Schroeder, A. Barr. Discrete Differential-Geometry Operators for Triangulated
-2-Manifolds. VisMath 2002.
+they are in one plane; the smallest rotation that takes normal to normal carries them from plane to plane
+[KCPS13].
 """
 
 from __future__ import annotations
@@ -183,7 +178,7 @@ def unit(vectors: FloatArray) -> FloatArray:
 
 
 def _corner_areas(edges: FloatArray) -> FloatArray:
-    """Voronoi areas (k, 3) of the corners of faces; of an obtuse one, a half and two quarters (Meyer, 3.3).
+    """Voronoi areas (k, 3) of the corners of faces; of an obtuse one, a half and two quarters [MDSB02, 3.3].
 
     Parameters
     ----------

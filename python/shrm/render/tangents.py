@@ -1,10 +1,6 @@
 """Tangent fields of meshes, for the materials about the tangent: along u, or along the principal direction.
 
 Both are fields of lines: T and -T are the same, as they are to Banks' and to Kajiya and Kay's model.
-
-References
-----------
-S. Rusinkiewicz. Estimating Curvatures and Their Derivatives on Triangle Meshes. 3DPVT 2004.
 """
 
 from __future__ import annotations
@@ -96,7 +92,7 @@ def _curvature(planes: Planes, normals: FloatArray) -> tuple[FloatArray, Complex
     """Curvature tensors at points: the mean (m,) and the line (m,) of each.
 
     That of a face is the one that fits best how normals (m, 3) differ along its edges; that of a point is
-    the average over the faces at it, carried into its plane and weighted by area (Rusinkiewicz, section 3).
+    the average over the faces at it, carried into its plane and weighted by area [R04, section 3].
     """
     dp, dn = (
         components(edges, planes.u[:, None], planes.v[:, None])

@@ -2,10 +2,6 @@
 
 Transfer is precomputed in the object's own coordinates. Where the object stands turned, its light is turned
 back, in frequency space, and the eye is carried into its coordinates [LK03 section 4].
-
-References
-----------
-[LK03] J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
 """
 
 from __future__ import annotations

@@ -13,10 +13,6 @@
 From a mesh to its file, in the order of the data: `directions`, `rays`, `visibility`, `bounces`; `product`,
 `accuracy`, `materials`, `stored`, `matrices`; `components`, `compression`, `clusters`; `precompute`,
 `object`, `quaternions`, `file`. At run time: `surface`, `tents`, `earlier`, `lighting`.
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
 """
 
 from shrm.transfer.lighting import (

@@ -17,12 +17,6 @@ there, decides how well the expansion holds above:
                      over the hemisphere. S has a condition number of 3.5e9 at m = 8: the ridge keeps B small
     even             mirrored at the horizon; suits rows that reach it without a slope, as Lambert's
     zero             by zero
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-[WAT92] S. Westin, J. Arvo, K. Torrance. Predicting Reflectance Functions from Complex Surfaces. SIGGRAPH
-    1992.
 """
 
 from __future__ import annotations

@@ -10,14 +10,6 @@ becomes one in tents by orthogonal projection:
 
 All integrals are over the hemisphere, so S is not the identity. The map preserves area: G is the Kronecker
 product 2 pi G1 (x) G1 of the tridiagonal Gram matrix of the tents of one dimension.
-
-References
-----------
-[LK03] J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-[SC97] P. Shirley, K. Chiu. A Low Distortion Map Between Disk and Square. Journal of Graphics Tools 2(3),
-    1997.
-[D82]  M. Duffy. Quadrature Over a Pyramid or Cube of Integrands with a Singularity at a Vertex. SIAM Journal
-    on Numerical Analysis 19(6), 1982.
 """
 
 from __future__ import annotations

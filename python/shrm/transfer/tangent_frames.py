@@ -9,10 +9,6 @@ values at the turned directions,
     Y_l(d) D_l = Y_l(frame d)        D_l = Y_l(d)^+ Y_l(frame d)
 
 `shrm.sh.rotate` turns one function by one rotation, to any degree.
-
-References
-----------
-[LK03] J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
 """
 
 from __future__ import annotations

@@ -3,11 +3,6 @@
 The paraboloid map is the stereographic projection: circles in it are circles on the sphere. What deviates is
 the center, which is not the projection of the center. So the distances from there to the border differ, most
 between the points towards and away from the map's center.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
 """
 
 from __future__ import annotations

@@ -1,10 +1,4 @@
-"""[KVHS00] figure 4: one environment filtered in every way, exponent 100, in maps of 128 x 256 texels.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-"""
+"""[KVHS00] figure 4: one environment filtered in every way, exponent 100, in maps of 128 x 256 texels."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""[KVHS00] figure 5: a glossy torus in two environments, filtered by the hardware for every frame.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-"""
+"""[KVHS00] figure 5: a glossy torus in two environments, filtered by the hardware for every frame."""
 
 from __future__ import annotations
 

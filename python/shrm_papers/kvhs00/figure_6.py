@@ -1,10 +1,4 @@
-"""[KVHS00] figure 6: an anisotropic pot by the Banks model, and slices of its map of three dimensions.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-"""
+"""[KVHS00] figure 6: an anisotropic pot by the Banks model, and slices of its map of three dimensions."""
 
 from __future__ import annotations
 

@@ -1,11 +1,4 @@
-"""The table of [KVHS00] section 5.1: Phong's lobe by brute force over all texels and by hierarchical descent.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-"""
+"""The table of [KVHS00] section 5.1: Phong's lobe by brute force and by hierarchical descent."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""The table of [KVHS00] section 5.2: frames per second when every frame is filtered by the hardware.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-"""
+"""The table of [KVHS00] section 5.2: frames per second when every frame is filtered by the hardware."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""[LK03] figure 2: what the change from harmonics to tents loses, against their numbers.
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-"""
+"""[LK03] figure 2: what the change from harmonics to tents loses, against their numbers."""
 
 from __future__ import annotations
 

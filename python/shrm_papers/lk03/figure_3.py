@@ -1,9 +1,4 @@
-"""[LK03] figure 3: what principal components lose, against their number, glossy and matt, shadowed and not.
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-"""
+"""[LK03] figure 3: what principal components lose, by their number, glossy and matt, shadowed and not."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""[LK03] figure 4: the object by the method before, by the material's matrix, and by tents, few and many.
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-"""
+"""[LK03] figure 4: the object by the method before, by the material's matrix, and by tents, few and many."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""[LK03] figure 5: the object from 3, 10 and 20 principal components, and without compression.
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-"""
+"""[LK03] figure 5: the object from 3, 10 and 20 principal components, and without compression."""
 
 from __future__ import annotations
 

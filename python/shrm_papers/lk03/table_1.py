@@ -1,9 +1,4 @@
-"""[LK03] table 1: frames per second of all methods, shadowed and not, and what it does not print: errors.
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-"""
+"""[LK03] table 1: frames per second of all methods, shadowed and not, and what it does not print: errors."""
 
 from __future__ import annotations
 

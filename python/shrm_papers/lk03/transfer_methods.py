@@ -1,13 +1,4 @@
-"""Ways to light an object at run time, side by side: frames per second, memory, error [LK03 table 1].
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-[SKS02] P.-P. Sloan, J. Kautz, J. Snyder. Precomputed Radiance Transfer for Real-Time Rendering in Dynamic,
-    Low-Frequency Lighting Environments. SIGGRAPH 2002.
-[KSS02] J. Kautz, P.-P. Sloan, J. Snyder. Fast, Arbitrary BRDF Shading for Low-Frequency Lighting Using
-    Spherical Harmonics. EGWR 2002.
-"""
+"""Ways to light an object at run time, side by side: frames per second, memory, error [LK03 table 1]."""
 
 from __future__ import annotations
 

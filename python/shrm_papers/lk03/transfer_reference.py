@@ -1,8 +1,6 @@
 """What the vertices of an object send out, summed ray by ray: neither tents nor harmonics in between.
 
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
+Sources: [LK03].
 """
 
 from __future__ import annotations

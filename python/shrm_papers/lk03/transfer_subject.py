@@ -1,10 +1,6 @@
 """The object that the results of [LK03] are about: its mesh, what its vertices see, and what comes of that.
 
 Rays are cast once and kept in a temporary folder, for all materials and all ways from rays to tents.
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
 """
 
 from __future__ import annotations

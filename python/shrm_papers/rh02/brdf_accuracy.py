@@ -2,10 +2,6 @@
 
 Energy is that of the squared BRDF with its cosine, colors pooled, over all lights and over views with
 cos^2(theta_v) uniform, as in `shrm.frequency.analysis`.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

@@ -2,10 +2,6 @@
 
 Light, object and measured materials are files of a folder (`Settings.data`). The paper's orange and velvet
 are of CUReT, which is not to be had: measurements of other materials, and fits to them, stand in for both.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

@@ -3,11 +3,6 @@
 Two materials: GGX with the Fresnel term of a dielectric, which reflects most near grazing, and the fibres of
 Kajiya and Kay about the tangent. Cabral's twelve maps are integrated directly, at the size of the SHRM's, and
 both are looked up by cubic interpolation: what differs is how they go from view to view.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-[CON99] B. Cabral, M. Olano, P. Nemec. Reflection Space Image Based Rendering. SIGGRAPH 1999.
 """
 
 from __future__ import annotations

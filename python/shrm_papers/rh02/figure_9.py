@@ -4,12 +4,6 @@ Their single lobe is an arbitrary function u(theta_i, theta_o) about the reflect
 q = 0 of the local form are [RH02 footnote 7]. The paper's fabric is the velvet of CUReT, which is not to be
 had: here it is a published fit to a fabric of the MERL database, or, where a folder of fits lacks it, a model
 of velvet.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-[KM00] J. Kautz, M. McCool. Approximation of Glossy Reflection with Prefiltered Environment Maps. Graphics
-    Interface 2000.
 """
 
 from __future__ import annotations

@@ -1,13 +1,6 @@
 """Table 2 of [RH02]: representations of the reflected light compared, in bytes, error and time.
 
 Where the paper says yes or no, here is what was measured, for one material and one environment.
-
-References
-----------
-[RH02]  R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-[CON99] B. Cabral, M. Olano, P. Nemec. Reflection Space Image Based Rendering. SIGGRAPH 1999.
-[KM00]  J. Kautz, M. McCool. Approximation of Glossy Reflection with Prefiltered Environment Maps. Graphics
-        Interface 2000.
 """
 
 from __future__ import annotations

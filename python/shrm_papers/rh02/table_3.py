@@ -2,10 +2,6 @@
 
 Where the paper has the order of growth, here are exponents fitted to measured times: processor time of one
 thread, the measure of work that other programs disturb least.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

@@ -4,10 +4,6 @@ The paper compares one implementation of each. Here direct integration comes in 
 kind, where every texel within the lobe's width is visited for every pixel, its angle and the lobe found
 anew; and (b) the best there is, which finds them once for each row of a lat-long map and slides them along
 it.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

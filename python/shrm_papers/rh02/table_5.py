@@ -1,9 +1,4 @@
-"""Table 5 of [RH02]: a microfacet lobe's T x T reflection maps by direct integration and from SHRMs.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-"""
+"""Table 5 of [RH02]: a microfacet lobe's T x T reflection maps by direct integration and from SHRMs."""
 
 from __future__ import annotations
 

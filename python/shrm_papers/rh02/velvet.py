@@ -5,10 +5,6 @@
 
 D is of integral 1 when projected on the surface. It is at its largest near theta_h = 90 degrees, where light
 and view both graze: light comes back brightly from everywhere around the horizon, also towards its source.
-
-References
-----------
-[AP07] M. Ashikhmin, S. Premoze. Distribution-based BRDFs. Technical report, University of Utah, 2007.
 """
 
 from __future__ import annotations

@@ -25,11 +25,6 @@ negative value have no data. Beyond the largest coordinates the values there hol
 The slice pink-felt-1d.alta that comes with ALTA has 90 rows even in sin(theta_h), (j + 1/2) / 90 to 2e-5.
 Each is the value of the bin of MERL in which theta_h, taken as it is written, lies: neighbours are equal at
 14 places, all among the 19 where bins that are even in the square root of theta_h say they could be.
-
-References
-----------
-.. [BBP14] L. Belcour, P. Barla, R. Pacanowski. ALTA: A BRDF Analysis Library. Workshop on Material
-   Appearance Modeling, 2014.
 """
 
 from __future__ import annotations

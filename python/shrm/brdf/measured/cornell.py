@@ -11,11 +11,8 @@ isotropic. Spectra become colors (see `spectrum`); those that are negative somew
 
 Between the geometries the BRDF is interpolated (see `scattered`) in X, Y and Z, which are positive, and
 then put into a table over half angles, exact to .2% (median) where the data is known to 1%.
-
-References
-----------
-S. Westin, S.-C. Foo, H. Li, K. Torrance. Measurements and format: Cornell University, Program of Computer
-Graphics, Reflectance Data.
+Format and measurements are by S. Westin, S.-C. Foo, H. Li and K. Torrance (Reflectance Data, Cornell
+University Program of Computer Graphics).
 """
 
 from __future__ import annotations

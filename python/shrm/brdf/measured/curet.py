@@ -16,11 +16,6 @@ taken for linear sRGB.
 The pages do not say in which order and scale the coefficients stand: they are taken as the a_nml of the
 published sum, n slowest and l fastest. A measurement below 0 is taken for missing. The fit may go below 0,
 where it is cut.
-
-References
-----------
-.. [DGNK99] K. J. Dana, B. van Ginneken, S. K. Nayar, J. J. Koenderink. Reflectance and Texture of Real-World
-   Surfaces. ACM TOG 18(1), 1999.
 """
 
 from __future__ import annotations

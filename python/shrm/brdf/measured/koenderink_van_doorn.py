@@ -13,11 +13,6 @@ and evenly, is
 
 with 1, 5 and 55 coefficients for the orders 0, 2 and 8. The functions of different (n, m, l) are orthogonal
 over both hemispheres; `norms` are their lengths.
-
-References
-----------
-.. [KD98] J. J. Koenderink, A. J. van Doorn. Phenomenological Description of Bidirectional Surface Reflection.
-   JOSA A 15(11), 1998.
 """
 
 from __future__ import annotations

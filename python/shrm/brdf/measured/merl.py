@@ -15,10 +15,6 @@ What is filled counts as not covered, to the nearest bin.
 
 An isotropic material without handedness is its own mirror image, which takes phi_d to pi - phi_d: entries are
 the mean of the file's and its mirror image's, where both have data. That keeps reciprocity and energy.
-
-References
-----------
-[MPBM03] W. Matusik, H. Pfister, M. Brand, L. McMillan. A Data-Driven Reflectance Model. ACM TOG 22(3), 2003.
 """
 
 from __future__ import annotations

@@ -4,10 +4,6 @@ A fit or an interpolation is evaluated once at the nodes of a table, whose look-
 The nodes are even in the square root of theta_h, which gathers them about the mirror direction, and in
 theta_d and phi_d [R98]. Directions farther from the normal than the data go are brought back to the last
 that have some, at the same azimuth (`within`), or are black.
-
-References
-----------
-.. [R98] S. Rusinkiewicz. A New Change of Variables for Efficient BRDF Representation. EGWR 1998.
 """
 
 from __future__ import annotations

@@ -19,11 +19,6 @@ reciprocal as they are.
 which samples have o above the horizon, in some the other way round: it is taken so that the sample at V = N,
 H = N is valid. Directions count as covered where the nearest sample is valid. Where it is not, values are
 those of the file, which holds continued ones there ("nearest"), or 0 ("zero").
-
-References
-----------
-[DJ18] J. Dupuy, W. Jakob. An Adaptive Parameterization for Efficient Material Acquisition and Rendering.
-ACM TOG 37(6), 2018. The authors' evaluation: github.com/rgl-epfl/brdf-loader.
 """
 
 from __future__ import annotations

@@ -27,14 +27,6 @@ mean square of the logarithm's:
     theta_h, 1.5 theta_d, N.V - N.L   .0062 .136, .0140 .133    .013 .066, .022 .089    .014 .035, .020 .087
     sin sin, delta phi, cos cos,      .0079 .190, .0170 .184    .027 .141, .032 .146    .025 .089, .038 .108
       N.V - N.L [PH10]
-
-References
-----------
-.. [D77] J. Duchon. Splines Minimizing Rotation-Invariant Semi-Norms in Sobolev Spaces. Constructive Theory of
-   Functions of Several Variables, 1977.
-.. [R98] S. Rusinkiewicz. A New Change of Variables for Efficient BRDF Representation. EGWR 1998.
-.. [W04] H. Wendland. Scattered Data Approximation. Cambridge University Press, 2004.
-.. [PH10] M. Pharr, G. Humphreys. Physically Based Rendering, 2nd edition. Morgan Kaufmann, 2010. Section 8.6.
 """
 
 from __future__ import annotations

@@ -11,11 +11,6 @@ The sum goes over the table's wavelengths, 380 to 780 nm in steps of 5 nm. R is 
 below its first wavelength and above its last one it keeps the value there. (From 400 to 700 nm, the range
 of most instruments, that leaves .14% of X, .03% of Y and .19% of Z to assumption.) Colors that sRGB does
 not hold have negative components and keep them.
-
-References
-----------
-.. [CIE15] CIE 15:2004, Colorimetry, tables T.1 and T.4. The numbers are also those of the data sets
-   doi:10.25039/CIE.DS.xvudnb9b (observer) and doi:10.25039/CIE.DS.hjfjmt59 (D65).
 """
 
 from __future__ import annotations

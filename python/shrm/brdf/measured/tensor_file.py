@@ -10,10 +10,7 @@ r"""The container of the RGL/EPFL material database: named arrays one after anot
         shape         uint64 for each dimension; the last one is contiguous
 
 Nothing larger than the header is read before everything in it has been compared with the size of the file.
-
-References
-----------
-Python routines for reading and writing such files come with the database: github.com/rgl-epfl/brdf-loader.
+The database has its own reader in Python, github.com/rgl-epfl/brdf-loader.
 """
 
 from __future__ import annotations

@@ -7,14 +7,6 @@ cosine is in it. Article and programs differ about 1 / pi in the specular part; 
 reflect about as much as those of [BSH12] (see `sgd`).
 
 About the lobe center.
-
-References
-----------
-[LKYU12] J. Löw, J. Kronander, A. Ynnerman, J. Unger. BRDF Models for Accurate and Efficient Rendering of
-Glossy Surfaces. ACM TOG 31(1), 2012.
-[BSH12] M. Bagher, C. Soler, N. Holzschuch. Accurate Fitting of Measured Reflectances Using a Shifted Gamma
-Micro-facet Distribution. Computer Graphics Forum 31(4), 2012.
-R. Cook, K. Torrance. A Reflectance Model for Computer Graphics. ACM TOG 1(1), 1982: G, and F from an index.
 """
 
 from __future__ import annotations

@@ -7,12 +7,6 @@
     F     = f0 + (1 - f0) (1 - L.H)^5                                       Schlick
 
 The cosine is in it; x is the tangent. Single scattering, as in `shrm.brdf.models.ggx`.
-
-References
-----------
-[H14] E. Heitz. Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs. JCGT 3(2), 2014.
-[WMLT07] B. Walter, S. Marschner, H. Li, K. Torrance. Microfacet Models for Refraction through
-Rough Surfaces. EGSR 2007.
 """
 
 from dataclasses import dataclass

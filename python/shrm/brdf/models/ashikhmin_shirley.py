@@ -7,10 +7,6 @@
 
 rho_hat = (rho_s + rho_d) N.L where N.L > 0; T is the tangent, B = N x T. An anisotropic lobe, and an
 isotropic one about the normal.
-
-References
-----------
-[AS00] M. Ashikhmin, P. Shirley. An Anisotropic Phong BRDF Model. Journal of Graphics Tools 5(2), 2000.
 """
 
 from dataclasses import dataclass

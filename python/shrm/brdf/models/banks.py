@@ -7,11 +7,6 @@ Negative values are cut, as in D. Banks, Illumination in Diverse Codimensions, S
 
 Centered on the tangent. Neither a cosine nor a horizon: self-shadowing is left out in the source too,
 so that the model has no normal.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered
-Environment Maps. EGWR 2000.
 """
 
 from dataclasses import dataclass

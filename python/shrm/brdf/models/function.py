@@ -7,10 +7,6 @@ A map about R, N or the lobe center holds functions of theta_i, theta_o and |phi
 [RH02 sec. 3.1]; one about T, functions of the two angles from T. `from_function` tests f for that
 at seeded pairs of directions, spread over the hemisphere and gathered round the mirror direction.
 Asymmetries below 0.1% of the value pass unseen.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

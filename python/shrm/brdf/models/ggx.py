@@ -8,11 +8,6 @@
 
 The cosine is in it. About the lobe center, or about the reflection. Single scattering: a rough
 surface with f0 = 1 reflects less than it receives.
-
-References
-----------
-[WMLT07] B. Walter, S. Marschner, H. Li, K. Torrance. Microfacet Models for Refraction through
-Rough Surfaces. EGSR 2007.
 """
 
 from dataclasses import dataclass

@@ -9,11 +9,6 @@ With theta_i, theta_o the angles of L and V from the tangent T:
 on; with L and V both pointing away from the surface that cone is theta_i = pi - theta_o, the second.
 
 Centered on the tangent. Neither a cosine nor a horizon: the model has no normal.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-J. Kajiya, T. Kay. Rendering Fur with Three Dimensional Textures. SIGGRAPH 1989.
 """
 
 from dataclasses import dataclass

@@ -12,12 +12,6 @@ about the reflection. `recentered("reflection", merge=True)` puts both into one 
 
 Lobes with Cx != Cy depend on the azimuth of L and V itself, not only on its difference: they are
 anisotropic, and no map about R, N or the lobe center can hold them.
-
-References
-----------
-E. Lafortune, S.-C. Foo, K. Torrance, D. Greenberg. Non-Linear Approximation of Reflectance Functions.
-SIGGRAPH 1997: the model for a diagonal matrix, written out in components.
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

@@ -5,11 +5,6 @@
 The cosine is in it: a Gaussian facet distribution without masking, Fresnel term or cosines. About
 the lobe center; about the reflection for the paper's results. It is normalised for narrow lobes
 seen from above, and does not keep energy at grazing views.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-K. Torrance, E. Sparrow. Theory for Off-Specular Reflection from Roughened Surfaces. JOSA 57(9), 1967.
 """
 
 from dataclasses import dataclass

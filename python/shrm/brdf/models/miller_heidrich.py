@@ -4,13 +4,6 @@
 
 with F_p Schlick's term at N.R = N.V and F_d = 1 - F_p, so that no more is reflected than comes in. Each lobe
 keeps its shape for all views, and only its size changes: two maps of two dimensions hold all.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. EGWR 2000.
-G. Miller, R. Hoffman. Illumination and Reflection Maps. SIGGRAPH 1984 course notes.
-W. Heidrich, H.-P. Seidel. Realistic, Hardware-accelerated Shading and Lighting. SIGGRAPH 1999.
 """
 
 from dataclasses import dataclass

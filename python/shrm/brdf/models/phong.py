@@ -4,11 +4,6 @@
 
 The cosine is in it, and it has no horizon term: light from below the surface counts, which is what
 makes it radially symmetric about R. Its integral over all directions is 1 for every view.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-B.-T. Phong. Illumination for Computer Generated Pictures. CACM 18(6), 1975.
 """
 
 from dataclasses import dataclass

@@ -10,11 +10,6 @@ A few fits take F below zero: it is cut there. The cosine is in rho_hat. Article
 1 / pi in the specular part; with it the fit of pink felt is within a tenth of what was measured.
 
 About the lobe center.
-
-References
-----------
-[BSH12] M. Bagher, C. Soler, N. Holzschuch. Accurate Fitting of Measured Reflectances Using a Shifted Gamma
-Micro-facet Distribution. Computer Graphics Forum 31(4), 2012.
 """
 
 from __future__ import annotations

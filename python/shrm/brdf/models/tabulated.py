@@ -12,10 +12,6 @@ of the half vector from the normal, (theta_d, phi_d) the direction of L in the f
 second set follows glossy lobes with far fewer samples.
 
 Centered on the lobe, or on the reflection.
-
-References
-----------
-[R98] S. Rusinkiewicz. A New Change of Variables for Efficient BRDF Representation. EGWR 1998.
 """
 
 from dataclasses import dataclass, field

@@ -2,11 +2,6 @@
 
 Clusters are found among the coordinates of vertices in many global components: few numbers of the same
 energy. What those components leave is not looked at again.
-
-References
-----------
-[SHHS03] P.-P. Sloan, J. Hall, J. Hart, J. Snyder. Clustered Principal Components for Precomputed Radiance
-    Transfer. SIGGRAPH 2003.
 """
 
 from __future__ import annotations

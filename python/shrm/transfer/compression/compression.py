@@ -14,11 +14,6 @@ them is the sum of the eigenvalues beyond. SNRs are relative to uncompressed rad
 `factored`  exact, for A_p = P X_p with one P for all vertices, as one material gives; never forms A
 `exact`     exact, for matrices that fit in memory several times over
 `streamed`  randomised, by subspace iteration [HMT11 algorithm 4.4], for matrices on disk, read in blocks
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-[HMT11] N. Halko, P.-G. Martinsson, J. Tropp. Finding structure with randomness. SIAM Review 53(2), 2011.
 """
 
 from __future__ import annotations

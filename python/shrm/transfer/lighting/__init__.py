@@ -9,14 +9,6 @@
 
 `Lighting.radiance` takes the light's coefficients in global coordinates, order n, and an eye. Without shadows
 `Projection` and `Convolution` need frames alone.
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-[SKS02] P.-P. Sloan, J. Kautz, J. Snyder. Precomputed Radiance Transfer for Real-Time Rendering in Dynamic,
-    Low-Frequency Lighting Environments. SIGGRAPH 2002.
-[KSS02] J. Kautz, P.-P. Sloan, J. Snyder. Fast, Arbitrary BRDF Shading for Low-Frequency Lighting Using
-    Spherical Harmonics. EGWR 2002.
 """
 
 from shrm.transfer.lighting.earlier import Convolution, Diffuse, Projection, parabolic_map, zonal_kernel

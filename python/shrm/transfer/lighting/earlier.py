@@ -2,14 +2,6 @@
 
 T_p, n^2 x n^2, takes light to transferred light, both in global coordinates: shadows and interreflections
 [LK03 section 3.1]. Where nothing shadows it is 1, and need not be given.
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-[SKS02] P.-P. Sloan, J. Kautz, J. Snyder. Precomputed Radiance Transfer for Real-Time Rendering in Dynamic,
-    Low-Frequency Lighting Environments. SIGGRAPH 2002.
-[KSS02] J. Kautz, P.-P. Sloan, J. Snyder. Fast, Arbitrary BRDF Shading for Low-Frequency Lighting Using
-    Spherical Harmonics. EGWR 2002.
 """
 
 from __future__ import annotations

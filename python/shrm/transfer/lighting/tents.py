@@ -1,9 +1,4 @@
-"""Lighting from tents' coefficients of outgoing radiance: in full, compressed, or with something fixed.
-
-References
-----------
-[LK03]  J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
-"""
+"""Lighting from tents' coefficients of outgoing radiance: in full, compressed, or with something fixed."""
 
 from __future__ import annotations
 

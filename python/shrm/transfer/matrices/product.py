@@ -16,10 +16,6 @@ compression: PCA of products with a small P is exact and small.
 Without shadows A_p is P R_p with an exact P, [LK03]'s T of the identity. Every Q is corrected, by the least
 change, so that it makes the same of light that nothing hides: Q Y = P; by way of harmonics P T, with T that
 of the whole hemisphere. Errors of the quadrature over d_k are then those of shadows alone.
-
-References
-----------
-[LK03] J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
 """
 
 from __future__ import annotations

@@ -9,13 +9,7 @@ large as the tap's share of the lobe.
 Any lobe of a profile about the reflection or the normal goes through them. Other lobes are taken as those of
 Kautz and McCool of two dimensions [KM00]: such a profile times a factor, which multiplies what is looked up.
 
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-[HS98] W. Heidrich, H.-P. Seidel. View-independent Environment Maps. Graphics Hardware 1998.
-[KM00] J. Kautz, M. McCool. Approximation of Glossy Reflection with Prefiltered Environment Maps. Graphics
-    Interface 2000.
+Sources: [HS98].
 """
 
 from __future__ import annotations

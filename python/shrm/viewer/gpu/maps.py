@@ -1,10 +1,6 @@
 """Maps on the GPU: one dynamic cube map for a distant viewer, all maps of a lobe for a near one.
 
 Lobes of fixed shape need neither: a dual-paraboloid map serves all viewers.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
 """
 
 from __future__ import annotations

@@ -1,10 +1,4 @@
-"""The filters of one lobe over a dual-paraboloid map, in shaders.
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-"""
+"""The filters of one lobe over a dual-paraboloid map, in shaders."""
 
 from __future__ import annotations
 

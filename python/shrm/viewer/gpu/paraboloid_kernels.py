@@ -13,13 +13,6 @@ and a cap about the rim, d = 1, reaches from there towards the center by
 which for small alpha is twice as far. Sizes are 2 ceil(r): with R = 256 and clamp = .1 they are those of the
 paper's table, all ten, and so are the shrink factors. (R = 256 is half of its faces' 512 texels, as if their
 border of 64 were beyond these.)
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-J. Krivanek, M. Colbert. Real-time Shading with Filtered Importance Sampling. EGSR 2008; the same authors, GPU
-    Gems 3, chapter 20, 2007.
 """
 
 from __future__ import annotations

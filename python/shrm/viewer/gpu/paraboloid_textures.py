@@ -1,8 +1,6 @@
 """Dual-paraboloid maps as textures of two layers, and the passes that draw into both.
 
-References
-----------
-[HS98] W. Heidrich, H.-P. Seidel. View-independent Environment Maps. Graphics Hardware 1998.
+Sources: [HS98].
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
 """The renderer on the GPU: what `shrm.render.render` draws, as fast as OpenGL can.
 
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+Sources: [RH02].
 """
 
 from __future__ import annotations

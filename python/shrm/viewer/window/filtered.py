@@ -1,10 +1,4 @@
-"""The window's materials filtered on the GPU, where they are drawn [KVHS00 section 5.2].
-
-References
-----------
-[KVHS00] J. Kautz, P.-P. Vazquez, W. Heidrich, H.-P. Seidel. A Unified Approach to Prefiltered Environment
-    Maps. Eurographics Workshop on Rendering 2000.
-"""
+"""The window's materials filtered on the GPU, where they are drawn [KVHS00 section 5.2]."""
 
 from __future__ import annotations
 

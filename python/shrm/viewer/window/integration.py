@@ -1,9 +1,4 @@
-"""The same picture by direct integration, coarse first: the judge of maps and of transfer.
-
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
-"""
+"""The same picture by direct integration, coarse first: the judge of maps and of transfer."""
 
 from __future__ import annotations
 

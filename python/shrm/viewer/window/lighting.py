@@ -1,8 +1,6 @@
 """From what is asked for to reflection maps: the work that the window does not wait for.
 
-References
-----------
-[RH02] R. Ramamoorthi, P. Hanrahan. Frequency Space Environment Map Rendering. ACM TOG 21(3), 2002.
+Sources: [RH02].
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
 """The panel's section of an object with transfer: what of it is used.
 
-References
-----------
-[LK03] J. Lehtinen, J. Kautz. Matrix Radiance Transfer. I3D 2003.
+Sources: [LK03].
 """
 
 from __future__ import annotations
