@@ -22,7 +22,7 @@ Array<float> radial(const Array<float>& planes, int subsamples, const Array<floa
                     double scale, double support, double outer, const Array<double>& centres) {
     const auto picture = picture_of(planes, subsamples);
     const auto table = profile_of(profile, shift, scale, support);
-    const auto axes = directions(centres, "centres");
+    const auto axes = unit_vectors(centres, "centres");
     Array<float> out = allocate<float>({centres.shape(0), 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
     {
@@ -52,7 +52,7 @@ Array<float> half_angle(const Array<float>& planes, int subsamples, const Array<
     const auto picture = picture_of(planes, subsamples);
     const auto table = profile_of(profile, shift, scale, support);
     if (table.channels != 1) throw py::value_error("a half-angle profile has 1 channel");
-    const auto n = directions(normals, "normals"), v = directions(views, "views");
+    const auto n = unit_vectors(normals, "normals"), v = unit_vectors(views, "views");
     require_shape(views, "views", {normals.shape(0), 3});
     const auto ranges = caps_of(caps, any);
     Array<float> out = allocate<float>({normals.shape(0), 3});
@@ -69,7 +69,7 @@ Array<float> zonal(const Array<float>& planes, int subsamples, const Array<float
     const auto picture = picture_of(planes, subsamples);
     const auto ranges = bands_of(bands, "bands", profiles.shape(0));
     const auto table = zonal_of(profiles, ranges);
-    const auto centres = directions(axes, "axes");
+    const auto centres = unit_vectors(axes, "axes");
     require_shape(theta_o, "theta_o", {axes.shape(0)});
     Array<float> out = allocate<float>({axes.shape(0), 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
@@ -86,7 +86,7 @@ Array<float> isotropic(const Array<float>& planes, int subsamples, const Array<f
     const auto picture = picture_of(planes, subsamples);
     const auto ranges = caps_of(caps, ratio.shape(0));
     const auto table = isotropic_of(envelope, ratio, ranges);
-    const auto n = directions(normals, "normals"), v = directions(views, "views");
+    const auto n = unit_vectors(normals, "normals"), v = unit_vectors(views, "views");
     require_shape(views, "views", {normals.shape(0), 3});
     Array<float> out = allocate<float>({normals.shape(0), 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));

@@ -10,7 +10,7 @@
 
 namespace shrm::bindings {
 
-inline std::vector<glm::dvec3> directions(const Array<double>& array, const char* name) {
+inline std::vector<glm::dvec3> unit_vectors(const Array<double>& array, const char* name) {
     require_shape(array, name, {any, 3});
     const auto a = array.unchecked<2>();
     std::vector<glm::dvec3> result(static_cast<std::size_t>(a.shape(0)));

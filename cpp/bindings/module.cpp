@@ -1,5 +1,4 @@
-// The table of contents of shrm._core, in the order the data flows. Built once for each instruction set,
-// under the name SHRM_MODULE.
+// The table of contents of shrm._core, in the order the data flows.
 #include <omp.h>
 #include <pthread.h>
 #include <pybind11/pybind11.h>
@@ -18,7 +17,9 @@ void bind_transfer_products(pybind11::module_& module);
 void bind_transfer_lighting(pybind11::module_& module);
 }  // namespace shrm::bindings
 
-PYBIND11_MODULE(SHRM_MODULE, module) {
+namespace {
+
+void define(pybind11::module_& module) {
     using namespace shrm::bindings;
     // A forked child has none of its parent's OpenMP threads, and GNU's library would wait for them for ever.
     pthread_atfork(nullptr, nullptr, [] { omp_set_num_threads(1); });
@@ -36,3 +37,18 @@ PYBIND11_MODULE(SHRM_MODULE, module) {
     bind_transfer_products(module);
     bind_transfer_lighting(module);
 }
+
+}  // namespace
+
+// Each build of the core is linked with all of these, and is imported as the one that it is named after.
+PYBIND11_MODULE(portable, module) {
+    define(module);
+}
+#ifdef SHRM_X86
+PYBIND11_MODULE(x86_64_v3, module) {
+    define(module);
+}
+PYBIND11_MODULE(x86_64_v4, module) {
+    define(module);
+}
+#endif

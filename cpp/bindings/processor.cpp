@@ -1,26 +1,27 @@
 // Which builds of the core this processor can run; compiled for any processor.
-#include <string>
-#include <vector>
-
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
+#include <Python.h>
 
 namespace {
 
 // Best first. SHRM_X86 says that the builds for x86-64-v3 and v4 exist.
-std::vector<std::string> instruction_sets() {
-    std::vector<std::string> names;
+PyObject* instruction_sets(PyObject*, PyObject*) {
 #ifdef SHRM_X86
     __builtin_cpu_init();
-    if (__builtin_cpu_supports("x86-64-v4")) names.push_back("x86-64-v4");
-    if (__builtin_cpu_supports("x86-64-v3")) names.push_back("x86-64-v3");
+    if (__builtin_cpu_supports("x86-64-v4"))
+        return Py_BuildValue("[sss]", "x86-64-v4", "x86-64-v3", "portable");
+    if (__builtin_cpu_supports("x86-64-v3")) return Py_BuildValue("[ss]", "x86-64-v3", "portable");
 #endif
-    names.push_back("portable");
-    return names;
+    return Py_BuildValue("[s]", "portable");
 }
+
+PyMethodDef functions[] = {
+    {"instruction_sets", instruction_sets, METH_NOARGS, "The builds of the core, best first."}, {}};
+
+PyModuleDef definition = {
+    PyModuleDef_HEAD_INIT, "processor", nullptr, 0, functions, nullptr, nullptr, nullptr, nullptr};
 
 }  // namespace
 
-PYBIND11_MODULE(processor, module) {
-    module.def("instruction_sets", &instruction_sets);
+PyMODINIT_FUNC PyInit_processor() {
+    return PyModule_Create(&definition);
 }

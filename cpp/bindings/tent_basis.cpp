@@ -20,7 +20,7 @@ Array<double> directions_of(const Array<double>& positions) {
     return directions;
 }
 
-py::tuple tents(const Array<double>& directions, int M) {
+py::tuple tents_at(const Array<double>& directions, int M) {
     require_shape(directions, "directions", {any, 3});
     require_tents(M);
     auto indices = allocate<std::int64_t>({directions.shape(0), 4});
@@ -38,7 +38,7 @@ py::tuple tents(const Array<double>& directions, int M) {
     return py::make_tuple(indices, weights);
 }
 
-Array<double> evaluate(const Array<double>& coefficients, const Array<double>& directions, int M) {
+Array<double> sum_of_tents(const Array<double>& coefficients, const Array<double>& directions, int M) {
     require_tents(M);
     require_shape(coefficients, "coefficients", {py::ssize_t(M) * M, any});
     require_shape(directions, "directions", {any, 3});
@@ -71,8 +71,8 @@ Array<double> accumulate(const Array<double>& values, const Array<double>& direc
 void bind_tent_basis(py::module_& module) {
     using namespace py::literals;
     module.def("hemisphere_from_square", &directions_of, py::kw_only(), "positions"_a.noconvert());
-    module.def("tents", &tents, py::kw_only(), "directions"_a.noconvert(), "M"_a);
-    module.def("evaluate_tents", &evaluate, py::kw_only(), "coefficients"_a.noconvert(),
+    module.def("tents", &tents_at, py::kw_only(), "directions"_a.noconvert(), "M"_a);
+    module.def("evaluate_tents", &sum_of_tents, py::kw_only(), "coefficients"_a.noconvert(),
                "directions"_a.noconvert(), "M"_a);
     module.def("accumulate_tents", &accumulate, py::kw_only(), "values"_a.noconvert(),
                "directions"_a.noconvert(), "M"_a);
