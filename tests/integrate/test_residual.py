@@ -229,6 +229,20 @@ def test_a_saved_map_has_its_residual(env, layout, tmp_path):
             assert oracles.relative_rms(theirs.at_view([0, 0, 1])[name], pixels) < 2e-3
 
 
+def test_files_of_version_2_are_read(env, tmp_path):
+    """They called the table of gamma of a core `centre`."""
+    rm = prefilter(env, brdf.GGX(0.05), size=16, **SMALL)
+    rm.save(tmp_path / "new.exr")
+    first, *others = image_io.read_parts(tmp_path / "new.exr")
+    assert any(part.name == "residual.0.gamma" for part in others)
+    old = [replace(part, name=part.name.replace("residual.0.gamma", "residual.0.centre")) for part in others]
+    first = replace(first, metadata={**first.metadata, "shrm:version": 2})
+    image_io.write_parts(tmp_path / "old.exr", [first, *old])
+    N, V = oracles.random_views(50, seed=8)
+    new, old_map = (ReflectionMap.load(tmp_path / f"{name}.exr") for name in ("new", "old"))
+    np.testing.assert_array_equal(old_map.radiance(N, V), new.radiance(N, V))
+
+
 def test_a_core_that_is_missing_or_damaged_is_no_whole_map(env, tmp_path):
     prefilter(env, brdf.GGX(0.05), size=16, **SMALL).save(tmp_path / "map.exr")
     parts = image_io.read_parts(tmp_path / "map.exr")

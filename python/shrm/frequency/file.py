@@ -13,8 +13,8 @@ A multi-part file of 32-bit floats. For lobe k of the material:
     One row: the angle between C and N over theta_v from 0 to pi/2, radians. Not there about the tangent.
 
 The metadata of `0.maps` says the rest in words and numbers under the prefix `shrm:`. A residual has parts of
-its own (`shrm.frequency.residual_file`), and makes the file one of version 2: what reads version 1 would
-lose it.
+its own (`shrm.frequency.residual_file`), and makes the file one of version 3: what reads version 1 would
+lose it. Files of version 2 have other names for some of these parts.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ from shrm.frequency.rings import BORDER, Layout, synthesised
 from shrm.image_io import ImageError
 from shrm.integrate.residual import map_names
 
-VERSION, WITH_RESIDUAL = 1, 2
+VERSION, WITH_RESIDUAL = 1, 3
+READABLE = (1, 2, 3)
 
 _CONVENTIONS = {
     "shrm:axes": "right-handed, z up; lat-long: row 0 at +z, column centers at phi = pi - 2 pi (j + 1/2) / W "
@@ -114,10 +115,10 @@ def load(path: str | Path) -> ReflectionMap:
     if "0.maps" not in images or "shrm:version" not in images["0.maps"].metadata:
         raise ImageError(f"{path}: no reflection map (it has no part 0.maps with shrm's metadata)")
     about = images["0.maps"].metadata
-    if about["shrm:version"] not in (VERSION, WITH_RESIDUAL):
+    if about["shrm:version"] not in READABLE:
         raise ImageError(
-            f"{path}: a reflection map of version {about['shrm:version']}, this reads versions {VERSION} and"
-            f" {WITH_RESIDUAL}"
+            f"{path}: a reflection map of version {about['shrm:version']}, this reads versions"
+            f" {', '.join(map(str, READABLE))}"
         )
     try:
         lobes = _number(about, "shrm:lobes")
@@ -127,7 +128,7 @@ def load(path: str | Path) -> ReflectionMap:
         error = float(cast(float, about["shrm:error"]))
         window = str(about["shrm:window"])
         residual = None
-        if about["shrm:version"] == WITH_RESIDUAL:
+        if about["shrm:version"] != VERSION:
             names = map_names([part.center for part in parts])
             maps = [(name, part.center, part.gamma) for name, part in zip(names, parts, strict=True)]
             residual = read_residual(images, maps, parts[0].layout, parts[0].size)

@@ -27,6 +27,7 @@ from shrm.integrate.angular_lobes import (
     normals_at,
 )
 from shrm.integrate.radial_table import NOTHING, Profile, integral_within, radial_table
+from shrm.integrate.saved_arrays import SMALLEST, NamedArrays, angles, number, table
 from shrm.integrate.tables import Transfer
 from shrm.lobes.center import gamma_at, gamma_table, lobe_center
 from shrm.lobes.split import SplitFunction
@@ -40,6 +41,10 @@ FINEST_ISOTROPIC = 8.0
 """The same for the angle that holds half of the square, of the narrowest view."""
 FINEST_ZONAL = 8.0
 """The same for half the width of a ring about C, which nodes see somewhere along it."""
+
+
+LEAST_SEGMENTS, LARGEST_SHIFT = 32, 22
+"""Bounds on the tables of profiles, as the core has them."""
 
 
 class LobeDescent(Protocol):
@@ -117,6 +122,39 @@ class RadialDescent:
         return cls(
             center, table.values, table.shift, table.scale, table.support, table.integral, table.width, found
         )
+
+    def to_arrays(self) -> NamedArrays:
+        """Return what `from_arrays` takes, `center` apart; the profile as rows of segments."""
+        names = ("shift", "scale", "support", "integral", "width", "within")
+        return {
+            "profile": self.values.reshape(-1, self.values.shape[-1]),
+            **{name: np.asarray(getattr(self, name)) for name in names},
+        }
+
+    @classmethod
+    def from_arrays(cls, center: str, arrays: NamedArrays) -> RadialDescent:
+        """Make it again of what `to_arrays` returned.
+
+        Raises
+        ------
+        KeyError, ValueError
+            If an array is missing, or none that the core could use.
+        """
+        profile = table(arrays, "profile", (None, None)).astype(np.float32)
+        segments = profile.shape[1]
+        if len(profile) not in (4, 12) or segments < LEAST_SEGMENTS or segments & (segments - 1):
+            raise ValueError(f"profile of shape {profile.shape}")
+        within = table(arrays, "within", (None, 2))
+        if len(within) < 2:
+            raise ValueError(f"within of shape {within.shape}")
+        names = ("shift", "scale", "support", "integral", "width")
+        shift, scale, support, integral, width = (number(arrays, name) for name in names)
+        if not (
+            shift <= LARGEST_SHIFT and min(scale, support) > SMALLEST and max(scale, support) < 1 / SMALLEST
+        ):
+            raise ValueError(f"profile over {shift:g}, {scale:g}, {support:g}")
+        values = np.ascontiguousarray(profile.reshape(-1, 4, segments))
+        return cls(center, values, int(shift), scale, support, integral, width, within)
 
     def radiance(
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
@@ -239,6 +277,43 @@ class IsotropicDescent:
         caps, integral = lobe_tables.caps_and_integral(lobe.transfer, LEFT_OUT)
         gamma, width = gamma_table(lobe.center, lobe.function), lobe_center(lobe.function)[1]
         return cls(lobe.center, gamma, width, envelope, ratio, caps, integral, core.height, below)
+
+    def to_arrays(self) -> NamedArrays:
+        """Return what `from_arrays` takes, `center` apart; the ratio as rows of azimuths."""
+        names = ("width", "envelope", "caps", "integral", "above", "below")
+        return {
+            "gamma": self.gamma[None],
+            "ratio": self.ratio.reshape(-1, self.ratio.shape[-1]),
+            **{name: np.asarray(getattr(self, name)) for name in names},
+        }
+
+    @classmethod
+    def from_arrays(cls, center: str, arrays: NamedArrays) -> IsotropicDescent:
+        """Make it again of what `to_arrays` returned.
+
+        Raises
+        ------
+        KeyError, ValueError
+            If an array is missing, or none that the core could use.
+        """
+        envelope = table(arrays, "envelope", (None, None)).astype(np.float32)
+        rows = table(arrays, "ratio", (None, None)).astype(np.float32)
+        caps = table(arrays, "caps", (None, 2))
+        # The rows of the ratio run over views, channels and lights.
+        views, lights, azimuths = len(caps), lobe_tables.LIGHT_INTERVALS + 2, rows.shape[1]
+        channels = len(rows) // max(views * lights, 1)
+        if channels not in (1, 3) or len(rows) != channels * views * lights or views < 2 or azimuths < 3:
+            raise ValueError(f"ratio of shape {rows.shape}")
+        if len(envelope) not in (1, channels) or envelope.shape[1] < 3:
+            raise ValueError(f"envelope of shape {envelope.shape}")
+        ratio = np.ascontiguousarray(rows.reshape(views, -1, lights, azimuths))
+        width, integral, above, below = (
+            number(arrays, name) for name in ("width", "integral", "above", "below")
+        )
+        if not min(below, 1.0) > SMALLEST:
+            raise ValueError(f"below = {below}")
+        gamma = angles(arrays, "gamma")
+        return cls(center, gamma, width, envelope, ratio, caps, integral, above, below)
 
     def radiance(
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float

@@ -28,6 +28,7 @@ from shrm.integrate.angular_lobes import above_horizon, across, half_width, norm
 from shrm.integrate.descent_lobes import IsotropicDescent, RadialDescent
 from shrm.integrate.hierarchical import map_texels
 from shrm.integrate.sampled_frames import Frames
+from shrm.integrate.saved_arrays import NamedArrays, angles, number, table
 from shrm.integrate.tables import light_quadrature, view_at, view_nodes, view_place
 from shrm.lobes.center import gamma_at, gamma_table
 from shrm.lobes.split import split
@@ -73,6 +74,18 @@ class LookUp:
             rows.append(weight @ rho.reshape(len(wi), -1))
         return cls(lobe.center, gamma_table(lobe.center, lobe.transfer), np.array(rows))
 
+    def to_arrays(self) -> NamedArrays:
+        """Return what `from_arrays` takes, `center` apart."""
+        return {"albedo": self.albedo, "mirror": self.gamma[None]}
+
+    @classmethod
+    def from_arrays(cls, center: Center, arrays: NamedArrays) -> LookUp:
+        """Make it again of what `to_arrays` returned; KeyError or ValueError if that is damaged."""
+        albedo = table(arrays, "albedo", (len(view_nodes()), None))
+        if albedo.shape[1] not in (1, 3):
+            raise ValueError(f"albedo of shape {albedo.shape}")
+        return cls(center, angles(arrays, "mirror"), albedo)
+
     def radiance(self, pixels: Float32Array, n: FloatArray, v: FloatArray) -> FloatArray:
         """Reflected radiance (n, 3); light is linear between the texels of a picture (H, W, 3)."""
         n, v = above_horizon(self.center, n, v)
@@ -103,6 +116,38 @@ class Core:
     descent: IsotropicDescent | RadialDescent
     threshold: float
     look_up: LookUp | None
+
+    def to_arrays(self) -> NamedArrays:
+        """Return what `from_arrays` takes, the centers and the map's gamma apart."""
+        look_up = {} if self.look_up is None else self.look_up.to_arrays()
+        return {
+            "threshold": np.asarray(self.threshold),
+            "looked up": np.asarray(int(self.look_up is not None)),
+            **self.descent.to_arrays(),
+            **look_up,
+        }
+
+    @classmethod
+    def from_arrays(cls, center: Center, gamma: FloatArray, own_center: Center, arrays: NamedArrays) -> Core:
+        """Make it again of what `to_arrays` returned.
+
+        Parameters
+        ----------
+        center, gamma
+            Of the map it belongs to.
+        own_center : {"lobe", "reflection", "normal"}
+            That of its descent.
+        arrays : {name: array}
+
+        Raises
+        ------
+        KeyError, ValueError
+            If an array is missing or damaged.
+        """
+        kind = IsotropicDescent if "ratio" in arrays else RadialDescent
+        descent = kind.from_arrays(own_center, arrays)
+        look_up = LookUp.from_arrays(own_center, arrays) if number(arrays, "looked up") else None
+        return cls(center, gamma, descent, number(arrays, "threshold"), look_up)
 
 
 @dataclass(frozen=True, eq=False)
