@@ -110,9 +110,9 @@ class Result:
 
 
 def _heading(name: str) -> str:
-    """Return what a result is called in a heading: Table 4, Kautz figure 3, LK figure 2."""
-    first, *rest = name.split("-")
-    return " ".join([first.upper() if len(first) == 2 else first.capitalize(), *rest])
+    """Return what a result is called in a heading: [RH02] table 4."""
+    paper, *rest = name.split("-")
+    return " ".join([f"[{paper.upper()}]", *rest])
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[Cell]]) -> list[str]:

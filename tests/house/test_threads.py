@@ -11,8 +11,7 @@ from shrm._core import processor
 SCRIPT = """
 import sys
 import numpy as np
-from shrm import Environment, _core, brdf, prefilter, prefilter_hierarchical, sh
-from shrm.reference import prefilter_angular
+from shrm import Environment, _core, brdf, prefilter, prefilter_angular, prefilter_hierarchical, sh
 from shrm.transfer.lighting import (
     Compressed, Convolution, Diffuse, FixedLight, FixedView, Projection, Tents,
 )

@@ -16,52 +16,9 @@ from numpy.testing import assert_allclose
 from shrm.integrate.angular import integrate, prefilter_angular
 from shrm.integrate.angular_lobes import IsotropicIntegral
 from support import oracles
+from support.integrands import environment, isotropic, lambert, material, noise, phong, radial, zonal
 
 SINGLE = 5e-6
-
-
-def material(*lobes):
-    return SimpleNamespace(lobes=lobes)
-
-
-def radial(transfer, profile, center):
-    return SimpleNamespace(center=center, profile=profile, transfer=transfer)
-
-
-def phong(s):
-    return radial(
-        oracles.phong(s), lambda c: (s + 1) / (2 * np.pi) * np.maximum(c, 0) ** s, center="reflection"
-    )
-
-
-def lambert(color=1.0):
-    c = np.asarray(color)
-    return radial(
-        oracles.lambert(color), lambda x: np.multiply.outer(np.maximum(x, 0) / np.pi, c), center="normal"
-    )
-
-
-def isotropic(transfer, center="lobe"):
-    return SimpleNamespace(center=center, transfer=transfer)
-
-
-def zonal(transfer):
-    def profile(theta_i, theta_o):
-        def direction(theta):
-            return np.stack([np.sin(theta), np.zeros_like(theta), np.cos(theta)], axis=-1)
-
-        return transfer(direction(theta_i), direction(theta_o))
-
-    return SimpleNamespace(center="tangent", profile=profile, transfer=transfer)
-
-
-def noise(H, W, seed=0):
-    """A hard picture: most of it dark, bright texels everywhere."""
-    return np.random.default_rng(seed).random((H, W, 3)).astype(np.float32) ** 8
-
-
-def environment(pixels):
-    return SimpleNamespace(pixels=np.asarray(pixels, dtype=np.float32))
 
 
 SKIN = oracles.lafortune([[-1.05] * 3, [-0.7] * 3], [[0.9] * 3, [0.6] * 3], [[18, 20, 30], [4, 5, 6]])
@@ -366,15 +323,14 @@ def test_views_at_the_ends_of_the_table():
 
 
 SCRIPT = """
-import sys, numpy as np
-sys.path.insert(0, {tests!r})
-import test_angular as t
-from support import oracles
+import numpy as np
+from shrm.integrate.angular import prefilter_angular
+from support import integrands as t, oracles
 env = t.environment(t.noise(32, 64))
 n, v = oracles.random_views(100, seed=10)
 tangents, _, w = oracles.random_hairs(100, seed=10)
-B = [t.prefilter_angular(env, t.material(l), size=16) for l in (t.phong(32), t.isotropic(oracles.ggx(0.2)))]
-C = t.prefilter_angular(env, t.material(t.zonal(oracles.kajiya_kay(8))))
+B = [prefilter_angular(env, t.material(l), size=16) for l in (t.phong(32), t.isotropic(oracles.ggx(0.2)))]
+C = prefilter_angular(env, t.material(t.zonal(oracles.kajiya_kay(8))))
 np.save({out!r}, np.concatenate([B[0].radiance(n, v), B[1].radiance(n, v), C.radiance(n, w, tangents),
                                  B[0].at_view(v[0]).reshape(-1, 3)]))
 """
@@ -384,7 +340,7 @@ def test_threads_do_not_matter(tmp_path):
     results = []
     for threads in (1, 3):
         out = str(tmp_path / f"{threads}.npy")
-        code = SCRIPT.format(tests=os.path.dirname(__file__), out=out)
+        code = SCRIPT.format(out=out)
         env = os.environ | {"OMP_NUM_THREADS": str(threads)}
         subprocess.run([sys.executable, "-c", code], env=env, check=True)
         results.append(np.load(out))

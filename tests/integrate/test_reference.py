@@ -8,7 +8,7 @@ import shrm
 from numpy.testing import assert_allclose
 from shrm.integrate.angular import integrate, prefilter_angular
 from support import oracles
-from test_angular import environment, isotropic, lambert, material, noise, phong, zonal
+from support.integrands import environment, isotropic, lambert, material, noise, phong, zonal
 
 PIXELS = noise(16, 32)
 ENV = environment(PIXELS)

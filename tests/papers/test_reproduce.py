@@ -28,7 +28,7 @@ def test_a_result_is_written_as_csv_and_markdown(tmp_path: Path) -> None:
     assert header == list(result.columns)
     assert [[a, int(b), float(c), d or None] for a, b, c, d in found] == rows
     lines = (tmp_path / "rh02-table-9.md").read_text().splitlines()
-    assert lines[0] == "# Table 9: a title"
+    assert lines[0] == "# [RH02] table 9: a title"
     assert lines[4:6] == ["| a, b | 1 | 0.3 |  |", r"| c\|d | 12345 | 1235 | Yes |"]
     assert lines[-1] == "- A note."
 

@@ -58,7 +58,7 @@ def test_every_row_is_whole_and_there_is_a_picture(module, tmp_path):
     assert len(set(result.columns)) == len(result.columns)
     assert result.rows
     assert all(len(row) == len(result.columns) for row in result.rows)
-    assert result.markdown().startswith(f"# LK {module.NAME[3:].replace('-', ' ')}: ")
+    assert result.markdown().startswith(f"# [LK03] {module.NAME[5:].replace('-', ' ')}: ")
     assert {path.suffix for path in result.write(tmp_path)} == {".csv", ".md", ".png"}
 
 

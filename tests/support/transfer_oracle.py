@@ -114,3 +114,20 @@ class BruteForce:
 def snr(expected: Array, found: Array) -> float:
     """10 log10 of energy over lost energy."""
     return float(10 * np.log10(np.sum(expected**2) / np.sum((expected - found) ** 2)))
+
+
+def first_hits(origins: Array, towards: Array, mesh: tuple[Array, Array, Array]) -> tuple[Array, Array]:
+    """Distance and face of the first hit of every ray, inf and -1 without: Moeller and Trumbore."""
+    a, b, c = (mesh[0][mesh[1][:, k]] for k in range(3))
+    e1, e2 = b - a, c - a
+    best, face = np.full(len(origins), np.inf), np.full(len(origins), -1)
+    for k in range(len(a)):
+        p = np.cross(towards, e2[k])
+        det = p @ e1[k]
+        s = origins - a[k]
+        q = np.cross(s, e1[k])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            u, v, t = (x / det for x in ((s * p).sum(1), (q * towards).sum(1), q @ e2[k]))
+        nearer = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0) & (t < best)
+        best[nearer], face[nearer] = t[nearer], k
+    return best, face

@@ -17,8 +17,7 @@ from support import oracles
 from support.data import require
 from support.directions import sphere
 from support.transfer_meshes import Mesh, Surface, ball, grid, simplified, together
-from support.transfer_oracle import BruteForce, snr, spiral
-from test_transfer_rays import first_hits
+from support.transfer_oracle import BruteForce, first_hits, snr, spiral
 
 MESHES = {"bunny": ("mesh/trimesh_bunny.ply", 20), "armadillo": ("mesh/armadillo.obj", 24)}
 SHARP = {"40/40": (40.0, 40.0), "40/10": (40.0, 10.0)}

@@ -7,8 +7,8 @@ import pytest
 from shrm import brdf
 from shrm.transfer.matrices.product import Path
 from shrm.transfer.precompute import precompute
+from support.precomputed import ALL, matrices, radiance, transferred
 from support.transfer_meshes import Mesh, Surface, bumpy
-from test_transfer_precompute import ALL, matrices, radiance, transferred
 
 VERTICES, FACES, NORMALS = MESH = bumpy(2)
 COUNT = len(VERTICES)

@@ -7,9 +7,9 @@ from shrm.transfer.directional_basis import DirectionalBasis
 from shrm.transfer.matrices.product import Path
 from support import oracles
 from support.directions import sphere
+from support.precomputed import ALL, BUMPY, matrices, transferred
 from support.transfer_meshes import ball, grid, together
 from support.transfer_oracle import BruteForce, snr
-from test_transfer_precompute import ALL, BUMPY, matrices, transferred
 
 PATHS = [Path(), Path(4, m=6)]
 GREY = (brdf.Lambert(0.5), brdf.GGX(0.4))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shrm.transfer.file import TransferFileError, load
 from shrm.transfer.object import RadianceTransfer, Variant
-from test_transfer_file import SHAPE, K, M, N, Q, V, random, transfer
+from support.transfer_contents import SHAPE, K, M, N, Q, V, random, transfer
 
 
 def varied(**change: Any) -> Callable[[], RadianceTransfer]:

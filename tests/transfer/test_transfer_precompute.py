@@ -1,41 +1,21 @@
 """From a mesh and a material to an object with transfer: energy, symmetry, and reports that are measured."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from shrm import brdf, prefilter, sh
 from shrm.environment import Environment
 from shrm.render import Mesh
-from shrm.transfer.lighting import Tents
 from shrm.transfer.matrices.product import Path
-from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
 from support import oracles
 from support.data import require
 from support.directions import sphere
+from support.precomputed import ALL, BUMPY, matrices, radiance, rebuilt, transferred
 from support.transfer_meshes import Mesh as Arrays
 from support.transfer_meshes import Surface, ball, bowl, bumpy, moved, random_rotation
 
 WHITE = np.sqrt(4 * np.pi)
-BUMPY = bumpy(3)
-ALL = ("unshadowed", "shadowed", "interreflected")
 GLOSSY = brdf.GGX(0.4, f0=(1.0, 0.7, 0.3))
-
-
-def transferred(mesh: Arrays, material: Any, **options: Any) -> RadianceTransfer:
-    """Something small, all of it fixed and kept, unless options say otherwise."""
-    small = {"n": 3, "M": 5, "path": Path(), "directions": 256, "K": 8, "half": False, "matrices": True}
-    return precompute(Surface(*mesh), material, **{**small, **options})
-
-
-def matrices(held: RadianceTransfer, name: str = "shadowed") -> np.ndarray:
-    return np.array(held.variants[name].matrices)
-
-
-def radiance(held: RadianceTransfer, name: str, light: np.ndarray, view: np.ndarray) -> np.ndarray:
-    """From the matrices, not from their components."""
-    return Tents(held.vertices, held.frames, matrices(held, name)).radiance(light, view=view)
 
 
 def white(n: int) -> np.ndarray:
@@ -213,14 +193,6 @@ def energy(A: np.ndarray) -> float:
     """Of the radiance that matrices (V, M^2, C, n^2) make of white light."""
     G = gram(round(np.sqrt(A.shape[1])))
     return float(np.einsum("ptcj,ts,pscj->", A, G, A, optimize=True))
-
-
-def rebuilt(held: RadianceTransfer, name: str, K: int) -> np.ndarray:
-    variant = held.variants[name]
-    weights, components = (np.asarray(a, np.float64) for a in (variant.weights, variant.components))
-    if variant.clusters is None:
-        return np.einsum("pk,ktcj->ptcj", weights[:, :K], components[:K])
-    return np.einsum("pk,pktcj->ptcj", weights[:, :K], components[variant.clusters][:, :K])
 
 
 @pytest.mark.parametrize("path", [Path(), Path(4)], ids=str)

@@ -17,6 +17,7 @@ from support.transfer_meshes import (
     together,
     with_points,
 )
+from support.transfer_oracle import first_hits
 
 
 def cast(mesh: Mesh, d: np.ndarray, these: slice = slice(None)) -> tuple[np.ndarray, Hits]:
@@ -25,23 +26,6 @@ def cast(mesh: Mesh, d: np.ndarray, these: slice = slice(None)) -> tuple[np.ndar
     assert hits is not None
     assert len(hits) == np.count_nonzero(~visible)
     return visible, hits
-
-
-def first_hits(origins: np.ndarray, towards: np.ndarray, mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Distance and face of the first hit of every ray, inf and -1 without: Moeller and Trumbore."""
-    a, b, c = (mesh[0][mesh[1][:, k]] for k in range(3))
-    e1, e2 = b - a, c - a
-    best, face = np.full(len(origins), np.inf), np.full(len(origins), -1)
-    for k in range(len(a)):
-        p = np.cross(towards, e2[k])
-        det = p @ e1[k]
-        s = origins - a[k]
-        q = np.cross(s, e1[k])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            u, v, t = (x / det for x in ((s * p).sum(1), (q * towards).sum(1), q @ e2[k]))
-        nearer = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0) & (t < best)
-        best[nearer], face[nearer] = t[nearer], k
-    return best, face
 
 
 # ---- Directions

@@ -14,8 +14,8 @@ from shrm.transfer.matrices.product import Path as Way
 from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
 from shrm.transfer.rays.rays import Occluders
+from support.precomputed import ALL
 from support.transfer_meshes import Mesh, Surface, bumpy
-from test_transfer_precompute import ALL
 
 MESH = bumpy(7, subdivisions=3)  # 642 vertices: blocks of 512 and 130
 SMALL = {"n": 2, "M": 3, "directions": 64, "K": 4, "variants": ALL, "matrices": True, "bounces": 2}

@@ -5,39 +5,11 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from shrm.transfer.rays.stored import stored
-
-SHAPE = (10, 3, 4)
-RIGHT = np.random.default_rng(0).normal(size=SHAPE).astype(np.float32)
-PARTS = [slice(0, 4), slice(4, 8), slice(8, 10)]
-
-
-class Maker:
-    """Makes the rows, counts them, and stops after some."""
-
-    def __init__(self, stop: int = 10) -> None:
-        self.made: list[slice] = []
-        self.steps: list[int] = []
-        self.stop = stop
-
-    def __call__(self, part: slice) -> np.ndarray:
-        self.made.append(part)
-        return RIGHT[part]
-
-    def progress(self, done: int, total: int) -> None:
-        assert total == len(RIGHT)
-        self.steps.append(done)
-        if self.stop <= done < total:
-            raise KeyboardInterrupt
-
-
-def run(folder: Path, maker: Maker, about: Any = "this", parts: list[slice] = PARTS) -> np.ndarray:
-    return stored(folder / "rows", {"of": about}, SHAPE, parts, maker, maker.progress)
+from support.stored_rows import PARTS, RIGHT, Maker, run
 
 
 def test_what_is_computed_is_kept_and_read_only(tmp_path):
@@ -90,7 +62,7 @@ def test_a_process_that_ends_as_it_computes_leaves_what_was_finished(tmp_path):
     code = """
 import os, sys
 from pathlib import Path
-from test_transfer_stored import Maker, run
+from support.stored_rows import Maker, run
 class Ends(Maker):
     def __call__(self, part):
         if part.start == 8:
@@ -98,7 +70,7 @@ class Ends(Maker):
         return super().__call__(part)
 run(Path(sys.argv[1]), Ends())
 """
-    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], cwd=Path(__file__).parent)
+    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)])
     assert done.returncode == -9
     maker = Maker()
     np.testing.assert_array_equal(run(tmp_path, maker), RIGHT)

@@ -14,27 +14,7 @@ from shrm.transfer.rays.directions import local_directions
 from shrm.transfer.rays.rays import Occluders
 from shrm.transfer.rays.visibility import Visibility
 from shrm.transfer.tangent_frames import vertex_frames
-from support.transfer_meshes import bumpy
-
-VERTICES, FACES, NORMALS = bumpy(6)  # 162 vertices: blocks of 50, 50, 50 and 12
-GOOD = {
-    "vertices": VERTICES,
-    "faces": FACES,
-    "frames": vertex_frames(NORMALS),
-    "directions": local_directions(64),
-    "hits": True,
-    "block": 50,
-}
-
-
-def opened(folder: Path, **change: object) -> Visibility:
-    return Visibility(folder, **{**GOOD, **change})
-
-
-def computed(folder: Path) -> Visibility:
-    visibility = opened(folder)
-    visibility.compute()
-    return visibility
+from support.visibility_folders import FACES, GOOD, NORMALS, VERTICES, computed, opened
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -110,17 +90,16 @@ def test_a_finished_folder_is_not_written_again(tmp_path):
 def test_a_process_that_ends_as_it_writes_leaves_what_was_finished(tmp_path):
     """Ended for real: in place of the rename of the third block."""
     code = f"""
-import os, sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
+import os
 from pathlib import Path
-import test_transfer_visibility as this
+from support.visibility_folders import computed
 rename = os.replace
 def replace(source, target):
     if "00002" in str(target):
         os._exit(9)
     rename(source, target)
 os.replace = replace
-this.computed(Path({str(tmp_path / "killed")!r}))
+computed(Path({str(tmp_path / "killed")!r}))
 """
     done = subprocess.run([sys.executable, "-c", code], env=os.environ, check=False)
     assert done.returncode == 9

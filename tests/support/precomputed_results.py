@@ -1,0 +1,24 @@
+"""Everything that precomputing a small object decides and computes, to be compared between processes."""
+
+import numpy as np
+from shrm import brdf
+from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.precompute import precompute
+
+from support.precomputed import ALL, matrices, rebuilt
+from support.transfer_meshes import Surface, bumpy
+
+
+def computed() -> RadianceTransfer:
+    material = brdf.Lambert((0.2, 0.4, 0.6)) + brdf.GGX(0.6)
+    options = {"n": 3, "directions": 256, "accuracy": 14.0, "bounces": 2}
+    return precompute(Surface(*bumpy(9, subdivisions=1)), material, variants=ALL, matrices=True, **options)
+
+
+def results(held: RadianceTransfer) -> dict[str, np.ndarray]:
+    """What is chosen, the matrices, and what components make of them."""
+    found = {"M": np.array(held.M), "K": np.array([held.variants[name].K for name in ALL])}
+    for name in ALL:
+        found[f"{name} matrices"] = matrices(held, name)
+        found[f"{name} rebuilt"] = rebuilt(held, name, held.variants[name].K)
+    return found
