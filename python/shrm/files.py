@@ -8,6 +8,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+PathLike = str | os.PathLike[str]
+"""What names a file."""
+
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:

@@ -1,17 +1,33 @@
-"""Checks at the door: each names the argument, what it was and what it must be."""
+"""Checks at the door, with one form of refusal: NAME must be WHAT, got WHAT IT WAS.
+
+A wrong kind of thing is a TypeError, a wrong value or shape a ValueError. Functions called by what they
+return (`number`, `indices`, ...) return the argument in that form; those called `require_...` only check.
+
+    number    positive    fraction    whole_number    number_or_rgb          numbers
+    flag    string    one_of    require_instance                             other single values
+    real_array    float32_array    indices    unit_vectors    rotation       arrays that are converted
+    require_array    require_stored    require_shape    require_finite       arrays that are taken as they are
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
 from numbers import Integral, Real
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from shrm.arrays import FloatArray
+from shrm.arrays import Float32Array, FloatArray, Int32Array, RealArray
 
 RGB = tuple[float, float, float]
+
+Shape = tuple[int | str, ...]
+"""Lengths of axes; one given by a name, such as "n", may be any."""
+
+_BLOCK = 1 << 20
+"""Values whose finiteness is tested at once: memory stays small beside the array."""
 
 
 def number(name: str, value: object, least: float = -math.inf, most: float = math.inf) -> float:
@@ -62,6 +78,21 @@ def fraction(name: str, value: object) -> float:
     return result
 
 
+def positive(name: str, value: object, below: float = math.inf) -> float:
+    """Return a finite number above 0 and below another.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not that.
+    """
+    result = number(name, value)
+    if not 0 < result < below:
+        needed = "above 0" if below == math.inf else f"above 0 and below {below:g}"
+        raise ValueError(f"{name} must be {needed}, got {result:g}")
+    return result
+
+
 def whole_number(name: str, value: object, least: int, most: int | None = None) -> int:
     """Return a whole number in [least, most].
 
@@ -92,30 +123,186 @@ def one_of(name: str, value: str, options: Iterable[str]) -> str:
     return value
 
 
-def real_array(name: str, value: npt.ArrayLike) -> FloatArray:
+def flag(name: str, value: object) -> bool:
+    """Return True or False.
+
+    Raises
+    ------
+    TypeError
+        If it is neither.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be True or False, got {value!r}")
+    return bool(value)
+
+
+def string(name: str, value: object) -> str:
+    """Return a string.
+
+    Raises
+    ------
+    TypeError
+        If it is none.
+    """
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a string, got {value!r}")
+    return value
+
+
+def require_instance(name: str, value: object, *kinds: type, what: str | None = None) -> None:
+    """Refuse what is of none of some classes.
+
+    Parameters
+    ----------
+    name : str
+        The argument.
+    value : object
+        What it was given.
+    *kinds : type
+        The classes.
+    what : str, optional
+        What it must be, in words; by default the names of the classes.
+
+    Raises
+    ------
+    TypeError
+        If it is of none of them.
+    """
+    if not isinstance(value, kinds):
+        needed = what or " or ".join(_with_article(kind.__name__) for kind in kinds)
+        raise TypeError(f"{name} must be {needed}, got {type(value).__name__}")
+
+
+def real_array(name: str, value: npt.ArrayLike, *shapes: Shape, empty: bool = True) -> FloatArray:
     """Return a finite float64 array; `value` itself if it is one.
+
+    Where shapes are named it has one of them, and with `empty=False` at least one value.
 
     Raises
     ------
     TypeError
         If it is not made of real numbers.
     ValueError
-        If a value is NaN or infinite.
+        If a value is NaN or infinite, or the shape is another.
     """
+    array = np.asarray(_numeric_array(name, value, "fiu", "real"), dtype=np.float64)
+    if shapes:
+        require_shape(name, array, *shapes, empty=empty)
+    require_finite(name, array)
+    return array
+
+
+def float32_array(name: str, value: npt.ArrayLike, *shapes: Shape, empty: bool = True) -> Float32Array:
+    """Return a finite float32 array in C order, shaped as `real_array` has it.
+
+    Raises
+    ------
+    TypeError
+        If it is not made of real numbers.
+    ValueError
+        If a value is NaN or infinite, or beyond the range of float32, or the shape is another.
+    """
+    array = _numeric_array(name, value, "fiu", "real")
+    if shapes:
+        require_shape(name, array, *shapes, empty=empty)
+    require_finite(name, array)
+    with np.errstate(over="ignore"):  # refused below
+        result: Float32Array = np.ascontiguousarray(array, dtype=np.float32)
+    if not np.isfinite(result).all():
+        largest = np.abs(array).max()
+        raise ValueError(f"{name} must be within the range of float32, got {largest:.3g}")
+    return result
+
+
+def indices(name: str, value: npt.ArrayLike, below: int, *shapes: Shape, empty: bool = True) -> Int32Array:
+    """Return indices in [0, below) as an int32 array in C order, shaped as `real_array` has it.
+
+    Raises
+    ------
+    TypeError
+        If it is not made of whole numbers.
+    ValueError
+        If one is out of range, or the shape is another.
+    """
+    array = _numeric_array(name, value, "iu", "whole")
+    if shapes:
+        require_shape(name, array, *shapes, empty=empty)
+    if array.size and (array.min() < 0 or array.max() >= below):
+        count = np.count_nonzero((array < 0) | (array >= below))
+        raise ValueError(
+            f"{name} must be in [0, {below}), got {count} that are not, from {array.min()} to {array.max()}"
+        )
+    return np.ascontiguousarray(array, np.int32)
+
+
+def _numeric_array(name: str, value: npt.ArrayLike, kinds: str, adjective: str) -> npt.NDArray[Any]:
+    """Return an array whose dtype is of one of numpy's kinds; refuse masked and ragged ones."""
+    what = f"an array of {adjective} numbers"
     try:
         array = np.asarray(value)
     except ValueError:
-        raise TypeError(f"{name} must be an array of real numbers, got rows of unequal length") from None
-    if array.dtype.kind not in "fiu":
-        raise TypeError(f"{name} must be an array of real numbers, got dtype {array.dtype}")
+        raise TypeError(f"{name} must be {what}, got rows of unequal length") from None
+    if array.dtype.kind not in kinds:
+        raise TypeError(f"{name} must be {what}, got dtype {array.dtype}")
     if isinstance(value, np.ma.MaskedArray):
         raise TypeError(f"{name} must be a plain array, got a masked one: fill what is masked first")
-    array = np.asarray(array, dtype=np.float64)
-    if not np.isfinite(array).all():
-        bad = np.argwhere(~np.isfinite(array))
+    return array
+
+
+def require_shape(name: str, value: npt.NDArray[Any], *shapes: Shape, empty: bool = True) -> None:
+    """Refuse an array that has none of some shapes; with `empty=False`, also one without values.
+
+    Raises
+    ------
+    ValueError
+        If it has none of them.
+    """
+    fits = any(
+        len(shape) == value.ndim
+        and all(isinstance(n, str) or n == m for n, m in zip(shape, value.shape, strict=True))
+        for shape in shapes
+    )
+    if fits and (empty or value.size):
+        return
+    needed = " or ".join(_shape_text(shape) for shape in shapes)
+    raise ValueError(
+        f"{name} must have the shape {needed}{'' if empty else ', not empty'}, got {value.shape}"
+    )
+
+
+def require_finite(name: str, value: RealArray) -> None:
+    """Refuse an array with values that are NaN or infinite.
+
+    Raises
+    ------
+    ValueError
+        If there is one; the text counts them and names the first.
+    """
+    if value.ndim == 0 or value.size <= _BLOCK:
+        finite = bool(np.isfinite(value).all())
+    else:
+        rows = max(1, _BLOCK * len(value) // value.size)
+        blocks = (value[start : start + rows] for start in range(0, len(value), rows))
+        finite = all(np.isfinite(block).all() for block in blocks)
+    if not finite:
+        bad = np.argwhere(~np.isfinite(value))
         where = tuple(int(k) for k in bad[0])
         raise ValueError(f"{name} must be finite, got {len(bad)} values that are not, the first at {where}")
-    return array
+
+
+def require_stored(name: str, value: object, *shapes: Shape) -> None:
+    """Refuse what is not a finite array of float32 or float16, not empty, of one of these shapes.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not that.
+    """
+    if not isinstance(value, np.ndarray) or value.dtype not in (np.float32, np.float16):
+        kind = value.dtype if isinstance(value, np.ndarray) else type(value).__name__
+        raise TypeError(f"{name} must be an array of float32 or float16, got {kind}")
+    require_shape(name, value, *shapes, empty=False)
+    require_finite(name, value)
 
 
 def require_array(
@@ -128,14 +315,13 @@ def require_array(
     TypeError, ValueError
         If it is not that.
     """
-    wanted = np.dtype(dtype)
-    if not isinstance(value, np.ndarray) or value.dtype != wanted:
+    needed = np.dtype(dtype)
+    if not isinstance(value, np.ndarray) or value.dtype != needed:
         kind = value.dtype if isinstance(value, np.ndarray) else type(value).__name__
-        raise TypeError(f"{name} must be an array of {wanted}, got {kind}")
+        raise TypeError(f"{name} must be an array of {needed}, got {kind}")
     if isinstance(value, np.ma.MaskedArray):
         raise TypeError(f"{name} must be a plain array, got a masked one: fill what is masked first")
-    if value.shape != shape:
-        raise ValueError(f"{name} must have the shape {shape}, got {value.shape}")
+    require_shape(name, value, shape)
     if not (value.flags.c_contiguous and value.flags.aligned):
         raise ValueError(f"{name} must be contiguous in C order, got strides {value.strides}")
     if writeable and not value.flags.writeable:
@@ -178,9 +364,7 @@ def rotation(name: str, value: npt.ArrayLike) -> FloatArray:
     TypeError, ValueError
         If it is not that.
     """
-    matrix = np.ascontiguousarray(real_array(name, value))
-    if matrix.shape != (3, 3):
-        raise ValueError(f"{name} must have the shape (3, 3), got {matrix.shape}")
+    matrix = np.ascontiguousarray(real_array(name, value, (3, 3)))
     error = float(np.abs(matrix @ matrix.T - np.eye(3)).max())
     determinant = float(np.linalg.det(matrix))
     if error > 1e-6 or determinant < 0:
@@ -196,3 +380,13 @@ def _range(least: float, most: float) -> str:
     if most < math.inf:
         return f"in [{least:g}, {most:g}]"
     return f"at least {least:g}" if least > -math.inf else ""
+
+
+def _shape_text(shape: Shape) -> str:
+    """Write a shape as Python does: '(n, 3)', '(V,)'."""
+    return f"({', '.join(map(str, shape))}{',' if len(shape) == 1 else ''})"
+
+
+def _with_article(name: str) -> str:
+    """Put 'a' or 'an' before the name of a class."""
+    return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"

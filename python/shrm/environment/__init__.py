@@ -7,6 +7,6 @@ lookup        bilinear look-ups in pictures and textures
 environment   the class `Environment`
 """
 
-from shrm.environment.environment import Environment
+from shrm.environment.environment import Environment, require_environment
 
-__all__ = ["Environment"]
+__all__ = ["Environment", "require_environment"]

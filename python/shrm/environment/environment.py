@@ -13,9 +13,10 @@ import shrm._core as _core
 from shrm import image_io
 from shrm.arrays import Float32Array, FloatArray, RealArray
 from shrm.environment import daylight, layouts, paraboloid
-from shrm.validation import number, number_or_rgb, rotation, unit_vectors, whole_number
+from shrm.files import PathLike
+from shrm.validation import number, number_or_rgb, require_instance, rotation, unit_vectors, whole_number
 
-__all__ = ["Environment"]
+__all__ = ["Environment", "require_environment"]
 
 # The names of a cube's faces in files, in the order +X -X +Y -Y +Z -Z of OpenGL.
 _FACE_NAMES = (
@@ -88,7 +89,7 @@ class Environment:
     @classmethod
     def read(
         cls,
-        path: image_io.PathLike,
+        path: PathLike,
         layout: str | None = None,
         *,
         repair: bool = False,
@@ -148,7 +149,7 @@ class Environment:
             raise image_io.ImageError(f"{path}: {error}") from None
 
     def write(
-        self, path: image_io.PathLike, layout: str = "latlong", size: int | None = None, *, border: int = 0
+        self, path: PathLike, layout: str = "latlong", size: int | None = None, *, border: int = 0
     ) -> None:
         """Write the environment as a picture in any layout.
 
@@ -331,6 +332,17 @@ class Environment:
         if whole_number("size", size, 2) % 2:
             raise ValueError(f"size must be even, got {size}")
         return cls(daylight.daylight_pixels(sun_elevation, sun_azimuth, turbidity, ground, size))
+
+
+def require_environment(value: object, name: str = "env") -> None:
+    """Refuse what is no Environment.
+
+    Raises
+    ------
+    TypeError
+        If it is none; the text names the argument.
+    """
+    require_instance(name, value, Environment)
 
 
 def _read_only(pixels: Float32Array) -> Float32Array:

@@ -14,7 +14,6 @@ from shrm.image_io.image import (
     ImageWarning,
     Metadata,
     Part,
-    PathLike,
 )
 from shrm.image_io.parts import read_parts, write_parts
 from shrm.image_io.reading import read_image
@@ -28,7 +27,6 @@ __all__ = [
     "ImageWarning",
     "Metadata",
     "Part",
-    "PathLike",
     "draw_text",
     "read_image",
     "read_parts",

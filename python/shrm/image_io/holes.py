@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from shrm.arrays import BoolArray, Float32Array
-from shrm.image_io.image import ImageError, PathLike, warn
+from shrm.files import PathLike
+from shrm.image_io.image import ImageError, warn
 
 
 def finite(path: PathLike, pixels: Float32Array, repair: bool) -> Float32Array:

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from shrm.arrays import Float32Array
+from shrm.files import PathLike
 
-PathLike = str | os.PathLike[str]
 Metadata = Mapping[str, str | int | float | Sequence[float]]
 
 DEFAULT_MAX_BYTES = 2 << 30

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - its own name for itself
 
-from shrm.image_io.image import DEFAULT_MAX_BYTES, ImageError, Part, PathLike
+from shrm.files import PathLike
+from shrm.image_io.image import DEFAULT_MAX_BYTES, ImageError, Part
 from shrm.image_io.source import decoded_bytes, metadata_of, open_source, read_pixels, too_large
 from shrm.image_io.target import set_metadata, write_whole
 

@@ -9,8 +9,9 @@ import numpy as np
 
 from shrm import color
 from shrm.arrays import Float32Array
+from shrm.files import PathLike
 from shrm.image_io.holes import finite
-from shrm.image_io.image import DEFAULT_MAX_BYTES, Image, ImageError, PathLike, warn
+from shrm.image_io.image import DEFAULT_MAX_BYTES, Image, ImageError, warn
 from shrm.image_io.source import metadata_of, open_source, read_pixels
 
 

@@ -10,7 +10,8 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - its own name for itself
 
 from shrm.arrays import Float32Array
-from shrm.image_io.image import ImageError, PathLike
+from shrm.files import PathLike
+from shrm.image_io.image import ImageError
 
 
 def open_source(path: PathLike, max_bytes: int) -> tuple[Any, Any]:

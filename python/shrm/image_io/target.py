@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - its own name for itself
 
-from shrm.files import replacing
-from shrm.image_io.image import ImageError, Metadata, PathLike
+from shrm.files import PathLike, replacing
+from shrm.image_io.image import ImageError, Metadata
 from shrm.image_io.source import fault
 
 

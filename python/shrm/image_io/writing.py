@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - its own name for itself
 
+from shrm.files import PathLike
 from shrm.image_io.holes import finite
-from shrm.image_io.image import ImageError, Metadata, PathLike, warn
+from shrm.image_io.image import ImageError, Metadata, warn
 from shrm.image_io.target import set_metadata, write_whole
 
 

@@ -12,6 +12,7 @@ from typing import Protocol, get_args
 
 from shrm.brdf.measured import alta, cornell, curet, merl, rgl
 from shrm.brdf.measured.material import Extrapolate, Measured, MeasurementError
+from shrm.files import PathLike
 from shrm.validation import one_of, whole_number
 
 
@@ -35,9 +36,7 @@ HEAD = 4096
 """Bytes that tell."""
 
 
-def load(
-    path: str | os.PathLike[str], *, extrapolate: Extrapolate = "nearest", sample: int | None = None
-) -> Measured:
+def load(path: PathLike, *, extrapolate: Extrapolate = "nearest", sample: int | None = None) -> Measured:
     """Read a measured material from its file.
 
     MERL's `.binary`, RGL/EPFL's tensor files `.bsdf`, Cornell's goniometer data `.brdf`, CUReT's measurements

@@ -11,7 +11,6 @@ About the lobe center.
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,6 +20,7 @@ from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon, half_vector
 from shrm.brdf.lobe import BRDF, IsotropicLobe
 from shrm.brdf.models import json_file
+from shrm.files import PathLike
 from shrm.validation import RGB, number, number_or_rgb
 
 GRAZING = 1e-6
@@ -59,7 +59,7 @@ class ABC(BRDF):
             object.__setattr__(self, key, number(f"ABC: {key}", getattr(self, key), least, most))
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str], name: str) -> ABC:
+    def read(cls, path: PathLike, name: str) -> ABC:
         """Read one material of a JSON file: an object of materials, each with kD, A, B, C, ior.
 
         Raises

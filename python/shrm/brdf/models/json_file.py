@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 import stat
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
+
+from shrm.files import PathLike
 
 Model = TypeVar("Model")
 
@@ -15,9 +16,7 @@ LARGEST = 64 << 20
 """Bytes of a file that are read."""
 
 
-def material(
-    path: str | os.PathLike[str], name: str, what: str, make: Callable[[Mapping[str, Any]], Model]
-) -> Model:
+def material(path: PathLike, name: str, what: str, make: Callable[[Mapping[str, Any]], Model]) -> Model:
     """Make one material of a file.
 
     Parameters

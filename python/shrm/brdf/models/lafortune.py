@@ -16,7 +16,6 @@ anisotropic, and no map about R, N or the lobe center can hold them.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -29,6 +28,7 @@ from shrm.brdf.half_vector import above_horizon
 from shrm.brdf.lobe import BRDF, IsotropicLobe, Lobe
 from shrm.brdf.models import json_file
 from shrm.brdf.models.lambert import Lambert
+from shrm.files import PathLike
 from shrm.validation import RGB, number_or_rgb, real_array
 
 
@@ -91,7 +91,7 @@ class Lafortune(BRDF):
         object.__setattr__(self, "diffuse", diffuse)
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str], name: str) -> Lafortune:
+    def read(cls, path: PathLike, name: str) -> Lafortune:
         """Read one material of a JSON file of coefficients.
 
         The file is an object of materials; each has `diffuse` and, for k = 0, 1, ..., `xyk` (or `xk`

@@ -14,7 +14,6 @@ About the lobe center.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 
@@ -25,6 +24,7 @@ from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon, half_vector
 from shrm.brdf.lobe import BRDF, IsotropicLobe
 from shrm.brdf.models import json_file
+from shrm.files import PathLike
 from shrm.validation import RGB, number_or_rgb
 
 GRAZING = 1e-6
@@ -68,7 +68,7 @@ class SGD(BRDF):
             object.__setattr__(self, key, number_or_rgb(f"SGD: {key}", getattr(self, key), least, 1e40))
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str], name: str) -> SGD:
+    def read(cls, path: PathLike, name: str) -> SGD:
         """Read one material of a JSON file: an object of materials, each with the parameters.
 
         K is also read as `kap`, lam as `lambda`.
