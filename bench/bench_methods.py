@@ -167,7 +167,7 @@ def crossing(light: Environment, material: brdf.GGX) -> Row:
         warnings.simplefilter("ignore", ToleranceWarning)
         for name, make in makers.items():
             found, seconds = timed(make)
-            _, again = timed(lambda of=found: of.at_view(view))  # type: ignore[misc]
+            _, again = timed(lambda of=found: of.maps_at_view(view))  # type: ignore[misc]
             made[name] = found, seconds + again, again
         orders = makers["frequency"]()
         chosen = prefilter(light, material, tolerance=TOLERANCE, size=64, method="auto")

@@ -270,7 +270,7 @@ def test_the_dynamic_map_is_the_map_at_that_view(material, layout):
 def test_several_centers_give_several_maps():
     env = band_limited_environment(4, seed=17)
     rm = prefilter(env, brdf.Lambert(0.5) + brdf.GGX(0.3) + 0.5 * brdf.GGX(0.6), orders=(4, 2), size=16)
-    maps = rm.at_view([0, 0, 1.0])
+    maps = rm.maps_at_view([0, 0, 1.0])
     assert set(maps) == {"normal", "lobe", "lobe 2"}
     assert (rm.F, rm.P) == (4, 2)
     one = prefilter(env, brdf.Lambert(0.5) + brdf.Lambert(0.2), orders=(4, 2), size=16)

@@ -40,7 +40,7 @@ results["half-angle map"] = facets.at_view([0.6, 0, 0.8])
 sharp = prefilter(env, brdf.GGX(0.05, f0=(1.0, 0.8, 0.3)), orders=(8, 2), size=16, residual="auto")
 results["residual"] = sharp.residual.radiance(N, V)
 descent = prefilter_hierarchical(env, brdf.Phong(64) + brdf.Lambert(0.5), threshold=1e-3, size=24)
-for center, pixels in descent.at_view([0, 0, 1]).items():
+for center, pixels in descent.maps_at_view([0, 0, 1]).items():
     results[f"hierarchical, {center}"] = pixels
 
 L, E = rng.normal(size=(2, 3000, 3))

@@ -62,7 +62,7 @@ def test_diffuse_light_of_three_colors_and_a_sum_of_lobes():
     np.testing.assert_allclose(
         both.radiance(N, N), found.radiance(N, N) + 0.5 * glossy.radiance(N, N), rtol=1e-5
     )
-    assert set(both.at_view([0, 0, 1.0])) == {"normal", "reflection"}
+    assert set(both.maps_at_view([0, 0, 1.0])) == {"normal", "reflection"}
 
 
 @pytest.mark.parametrize("name", ["venice_sunset_1k.hdr", "debevec_grace_cross.hdr", "quarry_01_1k.hdr"])

@@ -198,7 +198,7 @@ def test_maps_for_a_view_hold_the_residual(chrome):
     view = [0.0, 0.6, 0.8]
     pixels = chrome.at_view(view)
     alone = replace(chrome, residual=None).at_view(view)
-    np.testing.assert_allclose(pixels, alone + chrome.residual.at_view(view), rtol=1e-6)
+    np.testing.assert_allclose(pixels, alone + chrome.residual.maps_at_view(view)["lobe"], rtol=1e-6)
     # Texels are what radiance is at their central direction: about the lobe, the normal that has it.
     part = chrome.parts[0]
     N, _ = oracles.random_views(500, seed=7)
@@ -225,8 +225,8 @@ def test_a_saved_map_has_its_residual(env, layout, tmp_path):
         assert theirs.error == pytest.approx(mine.error, rel=1e-6)
         # tables are float32 in the file: a descent near its threshold may go one step farther or less
         assert oracles.relative_rms(theirs.radiance(N, V), mine.radiance(N, V)) < 2e-3
-        for name, pixels in mine.at_view([0, 0, 1]).items():
-            assert oracles.relative_rms(theirs.at_view([0, 0, 1])[name], pixels) < 2e-3
+        for name, pixels in mine.maps_at_view([0, 0, 1]).items():
+            assert oracles.relative_rms(theirs.maps_at_view([0, 0, 1])[name], pixels) < 2e-3
 
 
 def test_files_of_version_2_are_read(env, tmp_path):

@@ -31,9 +31,9 @@ from shrm.arrays import Float32Array, FloatArray, IntArray
 from shrm.brdf.lobe import Center
 from shrm.frequency.reflection_map import Part, ReflectionMap, require_maps
 from shrm.frequency.residual_file import read_residual, residual_parts
-from shrm.frequency.rings import BORDER, Layout, synthesised
+from shrm.frequency.rings import BORDER, synthesised
 from shrm.image_io import ImageError
-from shrm.integrate.residual import map_names
+from shrm.lobes.reflection import Layout, map_names
 
 VERSION, WITH_RESIDUAL = 1, 3
 READABLE = (1, 2, 3)

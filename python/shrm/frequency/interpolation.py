@@ -9,8 +9,8 @@ import numpy as np
 from shrm.arrays import FloatArray
 from shrm.frequency.orders import degree_power
 from shrm.frequency.reflection_map import Part
-from shrm.frequency.rings import Layout
 from shrm.lobes.center import gamma_at
+from shrm.lobes.reflection import Layout
 
 
 def map_spectrum(part: Part) -> FloatArray:

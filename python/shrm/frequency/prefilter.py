@@ -34,10 +34,10 @@ from shrm.frequency.orders import (
     require_tolerance,
 )
 from shrm.frequency.reflection_map import Part, ReflectionMap
-from shrm.frequency.rings import Layout
 from shrm.frequency.split_orders import CORE_SHARE, Split, split_for
 from shrm.integrate.angular import DEFAULT_SIZE
-from shrm.integrate.residual import Residual, map_names, residual_for
+from shrm.integrate.residual import Residual, residual_for
+from shrm.lobes.reflection import Layout, map_names
 from shrm.validation import one_of, whole_number
 
 Window = Literal["hann", "lanczos"]

@@ -13,7 +13,7 @@ A material of several lobes has a part for each, about its own center.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -25,8 +25,9 @@ import numpy.typing as npt
 from shrm import _core
 from shrm.arrays import Float16Array, Float32Array, FloatArray
 from shrm.brdf.lobe import Center
-from shrm.frequency.rings import BORDER, Layout, halved, synthesised
-from shrm.integrate.residual import Residual, map_names
+from shrm.frequency.rings import BORDER, halved, synthesised
+from shrm.integrate.residual import Residual
+from shrm.lobes.reflection import Layout, Reflection
 from shrm.sh import basis_size, degree_of
 from shrm.validation import one_of, require_array, unit_vectors
 
@@ -215,7 +216,7 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
-class ReflectionMap:
+class ReflectionMap(Reflection):
     """A prefiltered environment: what `shrm.prefilter` returns.
 
     Attributes
@@ -233,8 +234,8 @@ class ReflectionMap:
     predict : callable
         Computes `error` when it is first asked for: it takes longer than the maps.
     residual : Residual or None
-        What the orders cannot hold of sharp lobes: `radiance` and `at_view` add it. `Residual.radiance` and
-        `Residual.at_view` are it alone.
+        What the orders cannot hold of sharp lobes: `radiance` and `maps_at_view` add it. `Residual.radiance`
+        and `Residual.maps_at_view` are it alone.
     """
 
     parts: tuple[Part, ...]
@@ -338,10 +339,31 @@ class ReflectionMap:
             radiance += self.residual.radiance(N, V)
         return radiance
 
-    def at_view(
-        self, view: npt.ArrayLike, out: Float32Array | None = None
-    ) -> Float32Array | dict[str, Float32Array]:
-        """Return the dynamic reflection map of a distant viewer [RH02 eq. 12].
+    @property
+    def centers(self) -> tuple[Center, ...]:
+        """The center of each part."""
+        return tuple(part.center for part in self.parts)
+
+    def lobe_maps(self, view: FloatArray) -> Iterator[Float32Array]:
+        """Yield the map of each part, without the residual; see `shrm.lobes.reflection.Reflection`."""
+        for part in self.parts:
+            pixels = np.empty(part.shape, dtype=np.float32)
+            self._sum_for_view(part, view, pixels)
+            yield pixels
+
+    def maps_at_view(self, view: npt.ArrayLike) -> dict[str, Float32Array]:
+        """Return the dynamic reflection maps of a distant viewer [RH02 eq. 12], one for each center.
+
+        See `shrm.lobes.reflection.Reflection.maps_at_view`.
+        """
+        maps = super().maps_at_view(view)
+        if self.residual is not None:
+            for name, pixels in self.residual.maps_at_view(view).items():
+                maps[name] += pixels
+        return maps
+
+    def at_view(self, view: npt.ArrayLike, out: Float32Array | None = None) -> Float32Array:
+        """Return the dynamic reflection map of a distant viewer [RH02 eq. 12], of a material with one center.
 
         An ordinary reflection map: look it up at the central direction C of each point.
 
@@ -354,32 +376,31 @@ class ReflectionMap:
 
         Returns
         -------
-        (H, W, 3) float32, or (6, N, N, 3) for cubes, or a dict of such arrays
-            A dict {center: map} if the material has several centers; lobes about the same center are
-            summed. A second lobe center is called "lobe 2", and so on.
+        (H, W, 3) float32, or (6, N, N, 3) for cubes
 
         Raises
         ------
         ValueError, TypeError
-            If view is not a unit vector, or out has another shape, type or order, or the material more than
-            one lobe.
+            If view is not a unit vector, or the material has several centers: see `maps_at_view`; if out has
+            another shape, type or order, or the material more than one lobe.
         """
+        if out is None:
+            return super().at_view(view)
         V = unit_vectors("view", view, 1)
-        if out is not None and len(self.parts) > 1:
+        if len(self.parts) > 1:
             raise ValueError(f"out is for materials of one lobe, and {self.brdf} has {len(self.parts)}")
-        maps: dict[str, Float32Array] = {}
-        for name, part in zip(map_names([part.center for part in self.parts]), self.parts, strict=True):
-            if out is not None:
-                require_array("out", out, part.shape, np.float32, writeable=True)
-            pixels = np.empty(part.shape, dtype=np.float32) if out is None else out
-            part.sum_for_view(V, pixels)
-            if self.clamp:
-                np.maximum(pixels, 0, out=pixels)
-            maps[name] = maps[name] + pixels if name in maps else pixels
+        part = self.parts[0]
+        require_array("out", out, part.shape, np.float32, writeable=True)
+        self._sum_for_view(part, V, out)
         if self.residual is not None:
-            for name, pixels in self.residual.maps(V).items():
-                maps[name] += pixels
-        return next(iter(maps.values())) if len(maps) == 1 else maps
+            for pixels in self.residual.maps_at_view(view).values():
+                out += pixels
+        return out
+
+    def _sum_for_view(self, part: Part, view: FloatArray, pixels: Float32Array) -> None:
+        part.sum_for_view(view, pixels)
+        if self.clamp:
+            np.maximum(pixels, 0, out=pixels)
 
     def save(self, path: str | Path) -> None:
         """Write an OpenEXR file with the maps, the coefficients and every convention in its metadata.

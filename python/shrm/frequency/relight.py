@@ -24,7 +24,8 @@ from shrm.frequency.analysis import LobeAnalysis
 from shrm.frequency.orders import F_MAX, P_MAX, Criterion, analysed, analysis_degree
 from shrm.frequency.prefilter import Window, predicted_error, predicted_split_error, prefilter_split, windowed
 from shrm.frequency.reflection_map import Part, ReflectionMap
-from shrm.frequency.rings import Layout, empty_halves, require_half_range
+from shrm.frequency.rings import empty_halves, require_half_range
+from shrm.lobes.reflection import Layout
 from shrm.validation import rotation as checked_rotation
 
 

@@ -8,14 +8,11 @@ a cube, of N + 4 texels, give each face a border of two texels in its own plane.
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 
 from shrm import _core
 from shrm.arrays import Float16Array, Float32Array, FloatArray
-
-Layout = Literal["latlong", "cube"]
+from shrm.lobes.reflection import Layout
 
 BORDER: int = _core.CUBE_BORDER
 

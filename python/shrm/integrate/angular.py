@@ -11,7 +11,7 @@ Environment Map Rendering", ACM TOG 21(3), 2002 ([RH02]), sections 6 and 7.4, ta
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
+from shrm.brdf.lobe import Center
 from shrm.environment import layouts
 from shrm.integrate.angular_lobes import (
     LobeIntegral,
@@ -28,6 +29,7 @@ from shrm.integrate.angular_lobes import (
     lobe_integral,
     local_frames,
 )
+from shrm.lobes.reflection import Layout, Reflection
 from shrm.validation import fraction, one_of, real_array, unit_vectors, whole_number
 
 LARGEST_SUBSAMPLES = 16
@@ -153,14 +155,14 @@ def prefilter_angular(
     *,
     tolerance: float = 0.0,
     size: int | None = None,
-    layout: str = "latlong",
-    center: str | None = None,
+    layout: Layout = "latlong",
+    center: Center | None = None,
     subsamples: int | None = None,
     symmetry: bool = True,
 ) -> AngularReflection:
     """Prepare direct integration of an environment under a material.
 
-    Nothing is integrated yet: the result's `radiance` integrates each query, its `at_view` a whole map.
+    Nothing is integrated yet: the result's `radiance` integrates each query, its `maps_at_view` whole maps.
 
     Parameters
     ----------
@@ -220,7 +222,7 @@ def prefilter_angular(
 DEFAULT_SIZE = {"latlong": 128, "cube": 64}
 
 
-class AngularReflection:
+class AngularReflection(Reflection):
     """Reflected radiance of one environment under one material, by direct integration.
 
     Made by `prefilter_angular`.
@@ -232,10 +234,6 @@ class AngularReflection:
         itself runs in float32 along rows and in float64 across.
     subsamples : int
         Nodes along each side of a texel.
-    size : int
-        Rows of a lat-long map, or the edge of a cube's face.
-    layout : {"latlong", "cube"}
-        Layout of the maps.
     """
 
     def __init__(
@@ -243,7 +241,7 @@ class AngularReflection:
         pixels: Float32Array,
         parts: Sequence[LobeIntegral],
         size: int,
-        layout: str,
+        layout: Layout,
         subsamples: int | None,
         symmetry: bool,
     ):
@@ -277,8 +275,23 @@ class AngularReflection:
         self._radial_maps: dict[int, Float32Array] = {}
         self.error = max(part.error for part in parts)
         self.subsamples = subsamples
-        self.size = size
-        self.layout = layout
+        self._size = size
+        self._layout = layout
+
+    @property
+    def size(self) -> int:
+        """Rows of a lat-long map, or the edge of a cube's face."""
+        return self._size
+
+    @property
+    def layout(self) -> Layout:
+        """The grid of the maps."""
+        return self._layout
+
+    @property
+    def centers(self) -> tuple[Center, ...]:
+        """The center of each lobe's map."""
+        return tuple(part.center for part in self._parts)
 
     def radiance(
         self, normals: npt.ArrayLike, views: npt.ArrayLike, tangents: npt.ArrayLike | None = None
@@ -305,63 +318,10 @@ class AngularReflection:
             result += part.radiance(self._picture, n, v, t)
         return result
 
-    def at_view(self, view: npt.ArrayLike) -> Float32Array | dict[str, Float32Array]:
-        """Reflection map for one distant viewer: radiance against the central direction.
-
-        Parameters
-        ----------
-        view : (3,) array_like
-            Unit vector to the eye.
-
-        Returns
-        -------
-        (size, 2 size, 3) or (6, size, size, 3) float32, or {center: map}
-            One map for each center among the lobes; a dictionary if there are several. Directions of the
-            lobe center that no visible normal has show the normal at the silhouette.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `view` is not a unit vector.
-        """
-        v = unit_vectors("view", view, 1)[0]
-        maps: dict[str, Float32Array] = {}
+    def lobe_maps(self, view: FloatArray) -> Iterator[Float32Array]:
+        """Yield the map of each lobe; see `shrm.lobes.reflection.Reflection`."""
         for k, part in enumerate(self._parts):
-            layer = self._radial_map(k, part) if isinstance(part, RadialIntegral) else self._map(part, v)
-            maps[part.center] = maps[part.center] + layer if part.center in maps else layer
-        return next(iter(maps.values())) if len(maps) == 1 else maps
-
-    def maps(self, T: int) -> Float32Array | dict[str, Float32Array]:
-        """Explicit reflection maps for T x T views, [RH02] appendix C.
-
-        Parameters
-        ----------
-        T : int
-            View (a, b) has the colatitude (a + 1/2) pi/T and the azimuth pi - 2 pi (b + 1/2)/T.
-
-        Returns
-        -------
-        (T, T) + the shape of a map, float32, or {center: such an array}
-
-        Raises
-        ------
-        TypeError, ValueError
-            If T is not a whole number in [1, 1024].
-        """
-        T = whole_number("T", T, 1, 1024)
-        theta, phi = np.meshgrid(
-            (np.arange(T) + 0.5) * np.pi / T, np.pi - (np.arange(T) + 0.5) * 2 * np.pi / T, indexing="ij"
-        )
-        views = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
-        results = [self.at_view(view) for view in views.reshape(-1, 3)]
-
-        def gathered(maps: Sequence[Any]) -> Float32Array:
-            return np.stack(maps).reshape(T, T, *self._directions.shape)
-
-        several = [maps for maps in results if isinstance(maps, dict)]
-        if several:
-            return {center: gathered([maps[center] for maps in several]) for center in several[0]}
-        return gathered(results)
+            yield self._radial_map(k, part) if isinstance(part, RadialIntegral) else self._map(part, view)
 
     def _radial_map(self, k: int, part: RadialIntegral) -> Float32Array:
         """The map of a radial lobe, the same for all views: computed once."""

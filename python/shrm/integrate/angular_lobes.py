@@ -12,7 +12,7 @@ import numpy as np
 
 import shrm._core as _core
 from shrm.arrays import Float32Array, FloatArray
-from shrm.brdf.lobe import refuse_anisotropic
+from shrm.brdf.lobe import Center, refuse_anisotropic
 from shrm.integrate import tables as lobe_tables
 from shrm.integrate.radial_table import RadialTable, integral_within, radial_table
 from shrm.lobes.center import gamma_table, lobe_center
@@ -32,7 +32,7 @@ class LobeIntegral(Protocol):
         Relative root mean square error of its table.
     """
 
-    center: str
+    center: Center
     width: float
     error: float
 
@@ -50,7 +50,7 @@ def kind_of(lobe: Any) -> str:
     return str(getattr(lobe, "kind", "zonal" if lobe.center == "tangent" else "radial"))
 
 
-def lobe_integral(lobe: Any, tolerance: float, center: str | None, share: bool) -> LobeIntegral:
+def lobe_integral(lobe: Any, tolerance: float, center: Center | None, share: bool) -> LobeIntegral:
     """Tabulate a lobe of any kind; `center` replaces an isotropic lobe's own.
 
     With `share`, queries that have the first one's view read their half vectors from one table (lobes of the
@@ -100,9 +100,10 @@ def half_width(lobe: Any) -> float:
 class RadialIntegral:
     """A lobe of fixed shape about R or N."""
 
-    def __init__(self, center: str, profile: Callable[[FloatArray], FloatArray], tolerance: float):
+    def __init__(self, center: Center, profile: Callable[[FloatArray], FloatArray], tolerance: float):
         table = radial_table(profile, tolerance)
-        self.center = one_of("center of a radial lobe", center, ("reflection", "normal"))
+        one_of("center of a radial lobe", center, ("reflection", "normal"))
+        self.center: Center = center
         self.width, self.error = table.width, table.error
         self._table: dict[str, Any] = {**profile_arguments(table), "outer": table.outer}
 
@@ -139,9 +140,10 @@ class ZonalIntegral:
     """A lobe that depends on two angles from its center."""
 
     def __init__(
-        self, center: str, profile: Callable[[FloatArray, FloatArray], FloatArray], tolerance: float
+        self, center: Center, profile: Callable[[FloatArray, FloatArray], FloatArray], tolerance: float
     ):
-        self.center = one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
+        one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
+        self.center: Center = center
         table = lobe_tables.zonal_table(for_all_views(center, profile), tolerance)
         self.width, self.error = table.width, table.error
         self._table: dict[str, Any] = {"profiles": table.values, "bands": table.bands}
@@ -163,12 +165,13 @@ class IsotropicIntegral:
 
     def __init__(
         self,
-        center: str,
+        center: Center,
         transfer: Callable[[FloatArray, FloatArray], FloatArray],
         tolerance: float,
         share: bool,
     ):
-        self.center = one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+        one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+        self.center: Center = center
         half_angle = lobe_tables.half_angle_table(transfer, tolerance)
         table = half_angle or lobe_tables.isotropic_table(transfer, tolerance)
         self.width, self.error = table.width, table.error

@@ -59,7 +59,7 @@ class LobeDescent(Protocol):
     """
 
     @property
-    def center(self) -> str: ...  # noqa: D102
+    def center(self) -> Center: ...  # noqa: D102
 
     @property
     def depends_on_view(self) -> bool: ...  # noqa: D102
@@ -101,7 +101,7 @@ class RadialDescent:
     """
 
     depends_on_view: ClassVar[bool] = False
-    center: str
+    center: Center
     values: Float32Array
     shift: int
     scale: float
@@ -111,7 +111,7 @@ class RadialDescent:
     within: FloatArray
 
     @classmethod
-    def of(cls, center: str, profile: Profile) -> RadialDescent:
+    def of(cls, center: Center, profile: Profile) -> RadialDescent:
         """Tabulate a profile."""
         one_of("center of a radial lobe", center, ("reflection", "normal"))
         table = radial_table(profile, LEFT_OUT)
@@ -132,7 +132,7 @@ class RadialDescent:
         }
 
     @classmethod
-    def from_arrays(cls, center: str, arrays: NamedArrays) -> RadialDescent:
+    def from_arrays(cls, center: Center, arrays: NamedArrays) -> RadialDescent:
         """Make it again of what `to_arrays` returned.
 
         Raises
@@ -186,8 +186,9 @@ class ZonalDescent:
 
     depends_on_view = True
 
-    def __init__(self, center: str, profile: Callable[[FloatArray, FloatArray], FloatArray]) -> None:
-        self.center = one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
+    def __init__(self, center: Center, profile: Callable[[FloatArray, FloatArray], FloatArray]) -> None:
+        one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
+        self.center: Center = center
         table = lobe_tables.zonal_table(for_all_views(center, profile), LEFT_OUT)
         self._width, self._integral = table.width, table.integral
         self._table: dict[str, Any] = {
@@ -243,7 +244,7 @@ class IsotropicDescent:
     """
 
     depends_on_view: ClassVar[bool] = True
-    center: str
+    center: Center
     gamma: FloatArray
     width: float
     envelope: Float32Array
@@ -254,12 +255,12 @@ class IsotropicDescent:
     below: float = float("inf")
 
     @classmethod
-    def of(cls, center: str, transfer: Transfer) -> IsotropicDescent:
+    def of(cls, center: Center, transfer: Transfer) -> IsotropicDescent:
         """Tabulate a lobe."""
         one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
         table = lobe_tables.isotropic_table(transfer, LEFT_OUT)
         envelope = table.envelope[None]
-        gamma = gamma_table(cast(Center, center), transfer)
+        gamma = gamma_table(center, transfer)
         width = lobe_center(transfer)[1]
         return cls(center, gamma, width, envelope, table.ratio, table.caps, table.integral)
 
@@ -288,7 +289,7 @@ class IsotropicDescent:
         }
 
     @classmethod
-    def from_arrays(cls, center: str, arrays: NamedArrays) -> IsotropicDescent:
+    def from_arrays(cls, center: Center, arrays: NamedArrays) -> IsotropicDescent:
         """Make it again of what `to_arrays` returned.
 
         Raises

@@ -7,17 +7,19 @@ and its children, and only where their difference would change the reflected lig
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
+from shrm.brdf.lobe import Center
 from shrm.integrate.angular import DEFAULT_SIZE, Environment, Material, map_directions, pixels_of, queries
 from shrm.integrate.angular_lobes import local_frames
 from shrm.integrate.descent_lobes import LEFT_OUT, LobeDescent, lobe_descent
-from shrm.validation import fraction, number, one_of, unit_vectors, whole_number
+from shrm.lobes.reflection import Layout, Reflection
+from shrm.validation import fraction, number, one_of, whole_number
 
 SAMPLED_BLOCKS, SAMPLED_RADIAL = 64, 256
 """Blocks of maps from which a threshold is found for an error; of the one map that a radial lobe has."""
@@ -39,7 +41,7 @@ def prefilter_hierarchical(
     error: float | None = None,
     threshold: float | None = None,
     size: int | None = None,
-    layout: str = "latlong",
+    layout: Layout = "latlong",
 ) -> HierarchicalReflection:
     """Prepare hierarchical prefiltering of an environment under a material.
 
@@ -90,7 +92,7 @@ def prefilter_hierarchical(
     return HierarchicalReflection(pixels, lobes, edge, layout, wanted, threshold)
 
 
-class HierarchicalReflection:
+class HierarchicalReflection(Reflection):
     """Reflected radiance of one environment under one material, by descent.
 
     Made by `prefilter_hierarchical`.
@@ -99,10 +101,6 @@ class HierarchicalReflection:
     ----------
     threshold : tuple of float
         For each lobe.
-    size : int
-        Rows of a lat-long map, or the edge of a cube's face.
-    layout : {"latlong", "cube"}
-        Layout of the maps.
     evaluations : float
         Of a lobe for each target, in the last call.
     """
@@ -112,11 +110,11 @@ class HierarchicalReflection:
         pixels: Float32Array,
         lobes: Sequence[LobeDescent],
         size: int,
-        layout: str,
+        layout: Layout,
         error: float | None,
         threshold: float | None,
     ) -> None:
-        self.size, self.layout = size, layout
+        self._size, self._layout = size, layout
         self.evaluations = 0.0
         self._pyramid = _core.Pyramid(pixels)
         self._shape, self._order, self._targets = map_texels(layout, size)
@@ -128,6 +126,21 @@ class HierarchicalReflection:
         else:
             self.threshold = (float(threshold),) * len(self._lobes)
         self.evaluations = 0.0
+
+    @property
+    def size(self) -> int:
+        """Rows of a lat-long map, or the edge of a cube's face."""
+        return self._size
+
+    @property
+    def layout(self) -> Layout:
+        """The grid of the maps."""
+        return self._layout
+
+    @property
+    def centers(self) -> tuple[Center, ...]:
+        """The center of each lobe's map."""
+        return tuple(lobe.center for lobe in self._lobes)
 
     def update(self, env: Environment) -> None:
         """Take another light, of any size; thresholds stay.
@@ -165,34 +178,14 @@ class HierarchicalReflection:
             result += self._reflected(lobe, (n, v, t), threshold)
         return result
 
-    def at_view(self, view: npt.ArrayLike) -> Float32Array | dict[str, Float32Array]:
-        """Return the reflection map for a distant viewer: radiance against the central direction.
-
-        Parameters
-        ----------
-        view : (3,) array_like
-            Unit vector to the eye.
-
-        Returns
-        -------
-        (size, 2 size, 3) or (6, size, size, 3) float32, or {center: map}
-            One map for each center among the lobes. Directions of the lobe center that no visible normal has
-            show the normal at the silhouette.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `view` is not a unit vector.
-        """
-        v = np.broadcast_to(unit_vectors("view", view, 1), self._targets.shape)
-        maps: dict[str, Float32Array] = {}
+    def lobe_maps(self, view: FloatArray) -> Iterator[Float32Array]:
+        """Yield the map of each lobe; see `shrm.lobes.reflection.Reflection`."""
+        v = np.broadcast_to(view, self._targets.shape)
         self.evaluations = 0.0
         for lobe, threshold in zip(self._lobes, self.threshold, strict=True):
-            found = np.empty(self._targets.shape, np.float32)
-            found[self._order] = self._reflected(lobe, _frames(lobe, self._targets, v), threshold)
-            of_lobe = found.reshape(self._shape)
-            maps[lobe.center] = maps[lobe.center] + of_lobe if lobe.center in maps else of_lobe
-        return next(iter(maps.values())) if len(maps) == 1 else maps
+            pixels = np.empty(self._targets.shape, np.float32)
+            pixels[self._order] = self._reflected(lobe, _frames(lobe, self._targets, v), threshold)
+            yield pixels.reshape(self._shape)
 
     def _reflected(self, lobe: LobeDescent, frames: Frames, threshold: float) -> Float32Array:
         found, evaluations = lobe.radiance(self._pyramid, *frames, threshold)

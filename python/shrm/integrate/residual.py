@@ -31,6 +31,7 @@ from shrm.integrate.sampled_frames import Frames
 from shrm.integrate.saved_arrays import NamedArrays, angles, number, table
 from shrm.integrate.tables import light_quadrature, view_at, view_nodes, view_place
 from shrm.lobes.center import gamma_at, gamma_table
+from shrm.lobes.reflection import sum_by_name
 from shrm.lobes.split import split
 from shrm.validation import unit_vectors
 
@@ -161,7 +162,7 @@ class Residual:
     cut : int
         Parts along each side of a texel.
     cores : tuple of (str, Core)
-        With the names that `shrm.ReflectionMap.at_view` has for the maps they belong to.
+        With the names that `shrm.ReflectionMap.maps_at_view` has for the maps they belong to.
     layout : {"latlong", "cube"}
     size : int
         Of maps.
@@ -202,7 +203,7 @@ class Residual:
             radiance += self._of_core(core, n, v)
         return radiance
 
-    def at_view(self, view: npt.ArrayLike) -> Float32Array | dict[str, Float32Array]:
+    def maps_at_view(self, view: npt.ArrayLike) -> dict[str, Float32Array]:
         """Return the cores' maps for a distant viewer, about the centers of the maps they belong to.
 
         Parameters
@@ -212,28 +213,23 @@ class Residual:
 
         Returns
         -------
-        (H, W, 3) float32, or (6, N, N, 3) for cubes, or {name: map}
-            Each texel is the radiance at its center. A dict if there are several names.
+        {name: (H, W, 3) or (6, N, N, 3) float32}
+            Each texel is the radiance at its center.
 
         Raises
         ------
         TypeError, ValueError
             If view is not a unit vector.
         """
-        maps = self.maps(unit_vectors("view", view, 1))
-        return next(iter(maps.values())) if len(maps) == 1 else maps
-
-    def maps(self, view: FloatArray) -> dict[str, Float32Array]:
-        """Return the maps for a view (1, 3), by name."""
         shape, order, targets = map_texels(self.layout, self.size)
-        found: dict[str, Float32Array] = {}
-        for name, core in self.cores:
-            v = np.ascontiguousarray(np.broadcast_to(view, targets.shape))
+        v = np.ascontiguousarray(np.broadcast_to(unit_vectors("view", view, 1), targets.shape))
+
+        def core_map(core: Core) -> Float32Array:
             pixels = np.empty(targets.shape, np.float32)
             pixels[order] = self._of_core(core, normals_at(core.center, core.gamma, targets, v), v)
-            of_core = pixels.reshape(shape)
-            found[name] = found[name] + of_core if name in found else of_core
-        return found
+            return pixels.reshape(shape)
+
+        return sum_by_name((name for name, _ in self.cores), (core_map(core) for _, core in self.cores))
 
     def with_core(self, name: str, core: Core) -> Residual:
         """Return the residual with another core."""
@@ -356,12 +352,3 @@ def _neighbours(directions: FloatArray) -> npt.NDArray[np.intp]:
     band = np.clip((0.5 * (1 + directions[:, 2]) * side).astype(int), 0, side - 1)
     turn = (np.arctan2(directions[:, 1], directions[:, 0]) / (2 * np.pi) + 0.5) * side
     return np.lexsort((np.where(band % 2 == 0, turn, -turn), band))
-
-
-def map_names(centers: Sequence[Center]) -> list[str]:
-    """Names of the maps of lobes: their centers, but each lobe center is one of its own."""
-    names: list[str] = []
-    for k, center in enumerate(centers):
-        before = centers[:k].count("lobe")
-        names.append(f"lobe {before + 1}" if center == "lobe" and before else center)
-    return names

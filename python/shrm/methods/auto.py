@@ -11,9 +11,9 @@ from shrm.frequency import prefilter as prefiltering
 from shrm.frequency.orders import F_MAX, P_MAX, Criterion, require_orders, require_tolerance
 from shrm.frequency.prefilter import Window
 from shrm.frequency.reflection_map import ReflectionMap
-from shrm.frequency.rings import Layout
 from shrm.integrate.angular import DEFAULT_SIZE, AngularReflection, prefilter_angular
 from shrm.integrate.hierarchical import HierarchicalReflection, prefilter_hierarchical
+from shrm.lobes.reflection import Layout
 from shrm.methods.cost import ANGULAR_SHARE, cheapest
 from shrm.validation import one_of, whole_number
 

@@ -19,8 +19,8 @@ from typing import Literal
 from shrm.brdf import BRDF
 from shrm.environment import Environment
 from shrm.frequency.orders import Orders, ToleranceWarning, choose
-from shrm.frequency.rings import Layout
 from shrm.integrate.angular_lobes import half_width, share_visited
+from shrm.lobes.reflection import Layout
 
 ANGULAR_SHARE = 0.75
 """Of a wanted error, what may be cut from a lobe's integral: the error of the maps is up to 1.3 of it."""

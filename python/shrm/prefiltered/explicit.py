@@ -18,6 +18,7 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.lobe import Center
 from shrm.frequency.reflection_map import Part, ReflectionMap, require_no_residual, zonal_harmonics
 from shrm.lobes.center import gamma_table
+from shrm.lobes.reflection import Reflection
 from shrm.prefiltered.icosahedron import icosahedron
 from shrm.validation import one_of, real_array, unit_vectors, whole_number
 
@@ -39,13 +40,13 @@ def grid_views(T: int) -> FloatArray:
     )
 
 
-def maps_at_views(rm: ReflectionMap, views: npt.ArrayLike) -> Float32Array:
+def maps_at_views(reflection: Reflection, views: npt.ArrayLike) -> Float32Array:
     """Return an explicit set: one reflection map for each view [RH02 eq. 12].
 
     Parameters
     ----------
-    rm : ReflectionMap
-        Of a material with one center.
+    reflection : Reflection
+        A map in frequency space, or an integral, of a material with one center.
     views : (n, 3) array_like
         Unit vectors towards the eye, world frame.
 
@@ -58,27 +59,24 @@ def maps_at_views(rm: ReflectionMap, views: npt.ArrayLike) -> Float32Array:
     TypeError, ValueError
         If views are not unit vectors, or the material has lobes about several centers.
     """
-    maps = [rm.at_view(view) for view in unit_vectors("views", views)]
-    if any(isinstance(pixels, dict) for pixels in maps):
-        raise ValueError(f"{rm.brdf} has lobes about several centers: an explicit set has one")
-    return np.stack([pixels for pixels in maps if not isinstance(pixels, dict)])
+    return np.stack([reflection.at_view(view) for view in unit_vectors("views", views)])
 
 
-def icosahedral_maps(rm: ReflectionMap) -> Float32Array:
+def icosahedral_maps(reflection: Reflection) -> Float32Array:
     """Return Cabral's twelve maps [CON99]: those of `maps_at_views` at the vertices of `icosahedron`."""
-    return maps_at_views(rm, icosahedron())
+    return maps_at_views(reflection, icosahedron())
 
 
-def reflection_maps(rm: ReflectionMap, T: int) -> Float32Array:
+def reflection_maps(reflection: Reflection, T: int) -> Float32Array:
     """Return an explicit T x T set of maps, for the views of `grid_views`.
 
-    Views on a grid let the sum over p be shared by all azimuths: O(P) for each texel of each map
-    [RH02 appendix C].
+    In frequency space, views on a grid let the sum over p be shared by all azimuths: O(P) for each texel of
+    each map [RH02 appendix C].
 
     Parameters
     ----------
-    rm : ReflectionMap
-        Of a material with one center.
+    reflection : Reflection
+        A map in frequency space, or an integral, of a material with one center.
     T : int
         Rows and columns of the grid of views, 1 to 256.
 
@@ -92,12 +90,16 @@ def reflection_maps(rm: ReflectionMap, T: int) -> Float32Array:
         If T is out of its range, or the material has lobes about several centers.
     """
     views = grid_views(T).reshape(-1, 3)
-    if len(rm.parts) != 1 or rm.parts[0].zonal or rm.residual is not None:
-        maps = maps_at_views(rm, views)
-        return maps.reshape(T, T, *maps.shape[1:])
-    rings = np.asarray(rm.parts[0].rings, dtype=np.float32)
-    maps = _core.explicit_maps(rings=rings, cube=rm.layout == "cube", T=T)
-    return np.maximum(maps, 0, out=maps) if rm.clamp else maps
+    if isinstance(reflection, ReflectionMap) and _has_one_global_part(reflection):
+        rings = np.asarray(reflection.parts[0].rings, dtype=np.float32)
+        maps = _core.explicit_maps(rings=rings, cube=reflection.layout == "cube", T=T)
+        return np.maximum(maps, 0, out=maps) if reflection.clamp else maps
+    maps = maps_at_views(reflection, views)
+    return maps.reshape(T, T, *maps.shape[1:])
+
+
+def _has_one_global_part(rm: ReflectionMap) -> bool:
+    return len(rm.parts) == 1 and not rm.parts[0].zonal and rm.residual is None
 
 
 def three_dimensional_texture(rm: ReflectionMap, T: int) -> Float32Array:

@@ -26,8 +26,9 @@ from shrm import image_io
 from shrm.arrays import FloatArray
 from shrm.brdf.lobe import Center
 from shrm.frequency.reflection_map import Part
-from shrm.frequency.rings import BORDER, Layout
+from shrm.frequency.rings import BORDER
 from shrm.image_io import ImageError
+from shrm.lobes.reflection import Layout
 from shrm.prefiltered.layers import Y00
 from shrm.prefiltered.maps import (
     Anisotropic,

@@ -14,11 +14,12 @@ from shrm.brdf.lobe import Center, Lobe, refuse_anisotropic
 from shrm.environment import Environment
 from shrm.frequency.prefilter import prefilter as prefilter_in_frequency
 from shrm.frequency.reflection_map import Part
-from shrm.frequency.rings import BORDER, Layout
+from shrm.frequency.rings import BORDER
 from shrm.integrate.angular import DEFAULT_SIZE, prefilter_angular
 from shrm.integrate.angular_lobes import across, bisector
 from shrm.integrate.hierarchical import prefilter_hierarchical
 from shrm.lobes.center import gamma_table
+from shrm.lobes.reflection import Layout
 from shrm.methods.cost import ANGULAR_SHARE
 from shrm.validation import fraction, one_of, whole_number
 

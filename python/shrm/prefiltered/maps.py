@@ -16,10 +16,10 @@ from shrm.brdf import BRDF, Material
 from shrm.brdf.lobe import Center
 from shrm.environment import Environment
 from shrm.frequency.reflection_map import Interpolation, Part
-from shrm.frequency.rings import Layout
 from shrm.integrate.angular_lobes import across, central_directions, normals_of
 from shrm.lobes.center import gamma_at, gamma_table
 from shrm.lobes.factored import FactoredLobe, factor_at, factored, symmetric
+from shrm.lobes.reflection import Layout
 from shrm.prefiltered.explicit import fit
 from shrm.prefiltered.icosahedron import icosahedron, weights
 from shrm.prefiltered.layers import (

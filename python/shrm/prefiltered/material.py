@@ -22,9 +22,9 @@ from shrm.frequency.reflection_map import (
     require_no_residual,
     zonal_harmonics,
 )
-from shrm.frequency.rings import Layout
 from shrm.lobes.center import gamma_table
 from shrm.lobes.factored import MOST_LOBES, factored, factored_phong, symmetric
+from shrm.lobes.reflection import Layout
 from shrm.prefiltered import file
 from shrm.prefiltered.icosahedron import icosahedron
 from shrm.prefiltered.layers import MOST_SLICES, Y00, Integrator, Layers, largest_angle, require_material

@@ -134,7 +134,7 @@ def _measure_exponent(light: Environment, s: int, H: int, rounds: int) -> list[f
         _with_pyramid(light, lobe, H),
     ]
     seconds = np.median(single_thread.processor_seconds(calls, rounds), axis=0)
-    exact = np.asarray(integrated(lobe, 0.0).at_view(VIEW))
+    exact = integrated(lobe, 0.0).at_view(VIEW)
     area = root_areas(H, 2 * H).reshape(H, 2 * H, 1) ** 2
 
     def off(pixels: Any) -> float:
@@ -143,7 +143,7 @@ def _measure_exponent(light: Environment, s: int, H: int, rounds: int) -> list[f
     return [
         *(float(1e3 * x) for x in seconds),
         off(descent.at_view(VIEW)),
-        off(np.asarray(integrated(lobe, WIDTH_LEFT_OUT).at_view(VIEW)) / (1 - WIDTH_LEFT_OUT)),
+        off(integrated(lobe, WIDTH_LEFT_OUT).at_view(VIEW) / (1 - WIDTH_LEFT_OUT)),
         descent.evaluations,
     ]
 

@@ -16,6 +16,7 @@ from shrm.environment import Environment
 from shrm.frequency.prefilter import prefilter
 from shrm.integrate.angular import AngularReflection, prefilter_angular
 from shrm.prefiltered import Cabral
+from shrm.prefiltered.explicit import icosahedral_maps
 from shrm.prefiltered.icosahedron import faces, icosahedron
 
 from shrm_papers.comparison import COLUMNS, Block, Frames, Judged, Representation, Truth, draw_blocks
@@ -126,7 +127,7 @@ def shrm(env: Environment, material: Material, center: Center, P: int, size: int
 
 def icosahedral(exact: AngularReflection, center: Center) -> Representation:
     """Integrate Cabral's twelve maps."""
-    maps = Cabral.fitted([np.asarray(exact.at_view(view)) for view in icosahedron()], center)
+    maps = Cabral.fitted(icosahedral_maps(exact), center)
     return Representation("Cabral et al.", CENTERS[center], len(maps.maps), maps.nbytes, maps)
 
 

@@ -71,9 +71,7 @@ _ESTIMATES = {"minimum": "The minimum of light's and BRDF's error", "bound": "Th
 
 def _map(reflection: ReflectionMap | AngularReflection) -> FloatArray:
     """Return the one reflection map, (H, W, 3)."""
-    reflected = reflection.at_view(VIEW)
-    assert not isinstance(reflected, dict)  # one lobe
-    return reflected.astype(np.float64)
+    return reflection.at_view(VIEW).astype(np.float64)
 
 
 def energy(picture: FloatArray) -> float:

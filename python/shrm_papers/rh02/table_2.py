@@ -17,8 +17,7 @@ from shrm.environment import Environment
 from shrm.frequency import orders
 from shrm.frequency.prefilter import prefilter
 from shrm.integrate.angular import integrate, prefilter_angular
-from shrm.prefiltered.explicit import three_dimensional_texture
-from shrm.prefiltered.icosahedron import icosahedron
+from shrm.prefiltered.explicit import icosahedral_maps, reflection_maps, three_dimensional_texture
 
 from shrm_papers import representations, single_thread
 from shrm_papers.plotting import COLORS, MARKS, panels, plain_log
@@ -130,12 +129,11 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
     dense: list[representations.Tabular] = []
 
     def tabulated() -> representations.Tabular:
-        dense.append(representations.Tabular(np.asarray(angular.maps(T))))
+        dense.append(representations.Tabular(reflection_maps(angular, T)))
         return dense[0]
 
     def twelve() -> representations.Icosahedral:
-        maps = [np.asarray(angular.at_view(view)) for view in icosahedron()]
-        return representations.Icosahedral(np.stack(maps))
+        return representations.Icosahedral(icosahedral_maps(angular))
 
     wide = (F, 8) if quick else (2 * F, 8)
 

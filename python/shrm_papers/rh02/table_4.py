@@ -9,7 +9,7 @@ it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from shrm import brdf
@@ -18,7 +18,7 @@ from shrm.environment import Environment
 from shrm.frequency import orders
 from shrm.frequency.prefilter import prefilter
 from shrm.frequency.relight import Prefilter
-from shrm.integrate.angular import prefilter_angular
+from shrm.integrate.angular import AngularReflection, prefilter_angular
 
 from shrm_papers import flops, single_thread
 from shrm_papers.exponents import fit
@@ -206,7 +206,7 @@ def in_one_shot(light: Environment, s: int, F: int) -> object:
 # ---- Maps, (H, 2 H, 3)
 
 
-def lobe(light: Environment, s: int, symmetry: bool) -> Any:
+def lobe(light: Environment, s: int, symmetry: bool) -> AngularReflection:
     """Direct integration of the part of the lobe that [RH02] section 7.4 keeps, one node to a texel."""
     return prefilter_angular(
         light, brdf.Phong(s), tolerance=EPSILON, size=len(light.pixels), subsamples=1, symmetry=symmetry
@@ -215,13 +215,13 @@ def lobe(light: Environment, s: int, symmetry: bool) -> Any:
 
 def integrated(light: Environment, s: int, symmetry: bool) -> Float32Array:
     """The map by direct integration."""
-    return cast(Float32Array, lobe(light, s, symmetry).at_view(VIEW))
+    return lobe(light, s, symmetry).at_view(VIEW)
 
 
 def in_frequency(light: Environment, s: int, F: int) -> Float32Array:
     """The map by a series to degree F."""
     rm = prefilter(light, brdf.Phong(s), orders=(F, 0), size=len(light.pixels))
-    return cast(Float32Array, rm.at_view(VIEW))
+    return rm.at_view(VIEW)
 
 
 def converged(light: Environment, s: int) -> Float32Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from shrm import brdf
@@ -333,9 +333,7 @@ def truncated(rm: ReflectionMap, F: int) -> ReflectionMap:
 
 def error_of(rm: ReflectionMap, frames: Frames, exact: FloatArray) -> float:
     """Relative RMS error of a SHRM's maps at the frames."""
-    return relative_rms(
-        frames.of_maps([cast(Float32Array, rm.at_view(view)) for view in frames.views]), exact
-    )
+    return relative_rms(frames.of_maps([rm.at_view(view) for view in frames.views]), exact)
 
 
 def relative_rms(found: FloatArray, exact: FloatArray) -> float:
