@@ -16,9 +16,16 @@ from inputs import frames, relative_rms
 from limits import threads
 from shrm import Environment, brdf
 from shrm.environment.layouts import directions
-from shrm.integrate.angular_lobes import IsotropicIntegral
 from shrm.integrate.angular import AngularReflection, integrate, prefilter_angular
-from shrm_papers.flops import FLOPS_OF_SUM, FLOPS_OF_WEIGHT, half_angle_flops, outer_angle, samples, samples_in_caps
+from shrm.integrate.angular_lobes import IsotropicIntegral
+from shrm_papers.flops import (
+    FLOPS_OF_SUM,
+    FLOPS_OF_WEIGHT,
+    half_angle_flops,
+    outer_angle,
+    samples,
+    samples_in_caps,
+)
 
 Measured = Callable[..., Any]
 

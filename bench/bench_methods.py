@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from inputs import frames, relative_rms
 from shrm import Environment, ToleranceWarning, brdf, prefilter, prefilter_angular, prefilter_hierarchical
+from shrm.frequency.reflection_map import ReflectionMap
+from shrm.integrate.angular import integrate
 from shrm.methods.cost import ANGULAR_SHARE
 from shrm.prefiltered import Anisotropic, Cabral, Diffuse, KautzMcCool2D, KautzMcCool3D, Phong
 from shrm.prefiltered import prefilter as prefilter_explicit
-from shrm.integrate.angular import integrate
-from shrm.frequency.reflection_map import ReflectionMap
 from shrm.viewer import Context, ContextError, HardwarePrefilter, offscreen
 
 Noted = Callable[[Callable[[], list[dict[str, Any]]]], None]

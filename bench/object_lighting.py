@@ -25,7 +25,6 @@ from inputs import relative_rms
 from limits import threads
 from shrm import sh
 from shrm.transfer.directional_basis import DirectionalBasis
-from shrm.transfer.tangent_frames import band_rotations
 from shrm.transfer.lighting import (
     Compressed,
     Convolution,
@@ -36,6 +35,7 @@ from shrm.transfer.lighting import (
     Projection,
     Tents,
 )
+from shrm.transfer.tangent_frames import band_rotations
 
 V, n, SIDE, STORED = 50_000, 5, 64, 50
 TERMS = n * n

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from shrm import ReflectionMap, brdf, prefilter, sh
 from shrm.brdf import BRDF
 from shrm.environment import Environment
-from shrm.frequency.reflection_map import Part
+from shrm.frequency.part import Part
 from shrm.frequency.relight import Prefilter
 from support.light import band_limited_environment
 

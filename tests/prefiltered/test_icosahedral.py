@@ -100,7 +100,7 @@ def test_between_views_they_are_blended():
     # Where each of the twelve views stands alone, at the same central directions.
     (cabral,) = maps.lobes
     C = cabral._central(N, V, N)
-    of_each = np.stack([layer.looked_up(C, C) for layer in cabral.layers], axis=1)
+    of_each = np.stack([layer.radiance(C) for layer in cabral.layers], axis=1)
     expected = np.einsum("nk,nkc->nc", weights(V), of_each)
     np.testing.assert_allclose(maps.radiance(N, V), expected, rtol=1e-5)
     assert np.abs(expected - rm.radiance(N, V)).max() > 0.01 * expected.max()  # which the SHRM is not

@@ -20,23 +20,27 @@ lose it. Files of version 2 have other names for some of these parts.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any, cast, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm import image_io
-from shrm.arrays import Float32Array, FloatArray, IntArray
+from shrm.arrays import FloatArray, IntArray
 from shrm.brdf.lobe import Center
-from shrm.frequency.reflection_map import Part, ReflectionMap, require_maps
+from shrm.files import PathLike
+from shrm.frequency.part import CoefficientMaps, Part, order_of
 from shrm.frequency.residual_file import read_residual, residual_parts
 from shrm.frequency.rings import BORDER, synthesised
 from shrm.image_io import ImageError
+from shrm.integrate.residual import Residual
 from shrm.lobes.reflection import Layout, map_names
 
 VERSION, WITH_RESIDUAL = 1, 3
+"""What is written, without a residual and with one."""
 READABLE = (1, 2, 3)
+"""What is read: 2 is 3 with other names for the tables of a residual."""
 
 _CONVENTIONS = {
     "shrm:axes": "right-handed, z up; lat-long: row 0 at +z, column centers at phi = pi - 2 pi (j + 1/2) / W "
@@ -50,7 +54,30 @@ _CONVENTIONS = {
 }
 
 
-def save(rm: ReflectionMap, path: str | Path) -> None:
+@dataclass(frozen=True, eq=False)
+class SavedMap:
+    """What a file holds: plain data, from which `shrm.ReflectionMap` is built.
+
+    Attributes
+    ----------
+    parts : tuple of CoefficientMaps
+        The maps of each lobe; those that have coefficients are a `Part`.
+    brdf, criterion, window, clamp, residual
+        As in `shrm.ReflectionMap`.
+    error : float
+        The error predicted for it.
+    """
+
+    parts: tuple[CoefficientMaps, ...]
+    brdf: str
+    criterion: str
+    window: str | None
+    clamp: bool
+    error: float
+    residual: Residual | None
+
+
+def write(path: PathLike, saved: SavedMap) -> None:
     """Write a reflection map; the file appears whole or not at all.
 
     Raises
@@ -61,50 +88,23 @@ def save(rm: ReflectionMap, path: str | Path) -> None:
         If a cube map has no coefficients: its borders, which a file does not hold, are made from them. If a
         value, or the predicted error, is not finite.
     """
-    if any(part.layout == "cube" and part.F < 0 for part in rm.parts):
-        raise ValueError(f"{rm.brdf}: cube maps without coefficients cannot be saved, take lat-long maps")
-    parts: list[image_io.Part] = []
-    for k, part in enumerate(rm.parts):
-        about: dict[str, str | int | float] = {
-            "shrm:center": part.center,
-            "shrm:layout": part.layout,
-            "shrm:zonal": int(part.zonal),
-            "shrm:F": part.F,
-            "shrm:P": part.P,
-        }
-        if k == 0:
-            about |= _CONVENTIONS | {
-                "shrm:version": VERSION if rm.residual is None else WITH_RESIDUAL,
-                "shrm:lobes": len(rm.parts),
-                "shrm:brdf": rm.brdf,
-                "shrm:error": rm.error,
-                "shrm:criterion": rm.criterion,
-                "shrm:window": rm.window or "none",
-                "shrm:clamp": int(rm.clamp),
-            }
-        maps = part.maps
-        pictures = maps.reshape(len(maps), -1, maps.shape[-2], 3)
-        flat = pictures.transpose(1, 2, 0, 3).reshape(*pictures.shape[1:3], -1)
-        parts.append(_image(f"{k}.maps", flat, _map_channels(part), about))
-        if len(part.light):
-            parts.append(_image(f"{k}.light", _triangle(part.light), "RGB"))
-            parts.append(_image(f"{k}.rho", part.rho.reshape(part.F + 1, -1, 3), "RGB"))
-        if len(part.gamma):
-            parts.append(_image(f"{k}.gamma", part.gamma[None, :, None], "Y"))
-    if rm.residual is not None:
-        parts += residual_parts(rm.residual)
-    if not (np.isfinite(rm.error) and all(np.isfinite(part.pixels).all() for part in parts)):
-        raise ValueError(f"{rm.brdf}: its maps hold values beyond float32 or none, and cannot be saved")
-    image_io.write_parts(path, parts)
+    if any(part.layout == "cube" and part.F < 0 for part in saved.parts):
+        raise ValueError(f"{saved.brdf}: cube maps without coefficients cannot be saved, take lat-long maps")
+    facts = _conventions_and_facts(saved)
+    pictures = [
+        picture
+        for k, part in enumerate(saved.parts)
+        for picture in _pictures(k, part, facts if k == 0 else {})
+    ]
+    if saved.residual is not None:
+        pictures += residual_parts(saved.residual)
+    if not (np.isfinite(saved.error) and all(np.isfinite(picture.pixels).all() for picture in pictures)):
+        raise ValueError(f"{saved.brdf}: its maps hold values beyond float32 or none, and cannot be saved")
+    image_io.write_parts(path, pictures)
 
 
-def load(path: str | Path) -> ReflectionMap:
-    """Read what `save` wrote.
-
-    Returns
-    -------
-    ReflectionMap
-        With the maps and the predicted error as saved.
+def read(path: PathLike) -> SavedMap:
+    """Read what `write` wrote.
 
     Raises
     ------
@@ -121,31 +121,72 @@ def load(path: str | Path) -> ReflectionMap:
             f" {', '.join(map(str, READABLE))}"
         )
     try:
-        lobes = _number(about, "shrm:lobes")
-        if lobes < 1:
-            raise ValueError(f"shrm:lobes = {lobes}")
-        parts = tuple(_part(images, k) for k in range(lobes))
-        error = float(cast(float, about["shrm:error"]))
-        window = str(about["shrm:window"])
-        residual = None
-        if about["shrm:version"] != VERSION:
-            names = map_names([part.center for part in parts])
-            maps = [(name, part.center, part.gamma) for name, part in zip(names, parts, strict=True)]
-            residual = read_residual(images, maps, parts[0].layout, parts[0].size)
-        return ReflectionMap(
-            parts,
-            str(about["shrm:brdf"]),
-            str(about["shrm:criterion"]),
-            None if window == "none" else window,
-            bool(about["shrm:clamp"]),
-            lambda: error,
-            residual,
-        )
+        return _saved_map(images, about)
     except (KeyError, ValueError, TypeError, IndexError, OverflowError) as fault:
         raise ImageError(f"{path}: a damaged reflection map ({fault})") from fault
 
 
-def _part(images: Mapping[str, image_io.Part], k: int) -> Part:
+def _conventions_and_facts(saved: SavedMap) -> dict[str, str | int | float]:
+    """The metadata of the whole map."""
+    return {
+        **_CONVENTIONS,
+        "shrm:version": VERSION if saved.residual is None else WITH_RESIDUAL,
+        "shrm:lobes": len(saved.parts),
+        "shrm:brdf": saved.brdf,
+        "shrm:error": saved.error,
+        "shrm:criterion": saved.criterion,
+        "shrm:window": saved.window or "none",
+        "shrm:clamp": int(saved.clamp),
+    }
+
+
+def _pictures(k: int, part: CoefficientMaps, facts: Mapping[str, Any]) -> list[image_io.Part]:
+    """The parts of a file for lobe k; the first has `facts` in its metadata."""
+    about = {
+        **facts,
+        "shrm:center": part.center,
+        "shrm:layout": part.layout,
+        "shrm:zonal": int(part.zonal),
+        "shrm:F": part.F,
+        "shrm:P": part.P,
+    }
+    # a cube's faces one below the other, then the maps beside each other as channels
+    maps = part.maps
+    pictures = maps.reshape(len(maps), -1, maps.shape[-2], 3)
+    flat = pictures.transpose(1, 2, 0, 3).reshape(*pictures.shape[1:3], -1)
+    images = [_image(f"{k}.maps", flat, _map_channels(part), about)]
+    if isinstance(part, Part):
+        images.append(_image(f"{k}.light", _triangle(part.light), "RGB"))
+        images.append(_image(f"{k}.rho", part.rho.reshape(part.F + 1, -1, 3), "RGB"))
+    if len(part.gamma):
+        images.append(_image(f"{k}.gamma", part.gamma[None, :, None], "Y"))
+    return images
+
+
+def _saved_map(images: Mapping[str, image_io.Part], about: Mapping[str, Any]) -> SavedMap:
+    lobes = _number(about, "shrm:lobes")
+    if lobes < 1:
+        raise ValueError(f"shrm:lobes = {lobes}")
+    parts = tuple(_part(images, k) for k in range(lobes))
+    residual = None
+    if about["shrm:version"] != VERSION:
+        names = map_names([part.center for part in parts])
+        maps = [(name, part.center, part.gamma) for name, part in zip(names, parts, strict=True)]
+        residual = read_residual(images, maps, parts[0].layout, parts[0].size)
+    window = str(about["shrm:window"])
+    return SavedMap(
+        parts=parts,
+        brdf=str(about["shrm:brdf"]),
+        criterion=str(about["shrm:criterion"]),
+        window=None if window == "none" else window,
+        clamp=bool(about["shrm:clamp"]),
+        error=float(about["shrm:error"]),
+        residual=residual,
+    )
+
+
+def _part(images: Mapping[str, image_io.Part], k: int) -> CoefficientMaps:
+    """The maps of lobe k, with their coefficients if the file has them."""
     picture = images[f"{k}.maps"]
     about = picture.metadata
     zonal, layout, center = bool(about["shrm:zonal"]), str(about["shrm:layout"]), str(about["shrm:center"])
@@ -153,44 +194,49 @@ def _part(images: Mapping[str, image_io.Part], k: int) -> Part:
         raise ValueError(f"layout {layout!r}, center {center!r}")
     F, P = _number(about, "shrm:F"), _number(about, "shrm:P")
     rows, columns, channels = picture.pixels.shape
-    if channels % 3 or require_maps(channels // 3, zonal) != P:
+    if channels % 3 or order_of(channels // 3, zonal) != P:
         raise ValueError(f"{channels} channels for P = {P}")
-    light = np.zeros((0, 3))
-    rho = np.zeros((0, P + 1, P + 1, 3))
-    if F >= 0:
-        light = _from_triangle(_pixels(images, f"{k}.light", (F + 1, 2 * F + 1, 3)))
-        rho = _pixels(images, f"{k}.rho", (F + 1, (P + 1) ** 2, 3)).reshape(F + 1, P + 1, P + 1, 3)
+    if not np.isfinite(picture.pixels).all():
+        raise ValueError("maps that are not finite")
+
+    # where the maps' centers are
     gamma = np.zeros(0)
     if center != "tangent":
         gamma = _pixels(images, f"{k}.gamma", (1, None, 1)).ravel()
         if len(gamma) < 2:
             raise ValueError("a table of gamma with one entry")
-    maps = picture.pixels.reshape(rows, columns, channels // 3, 3)
-    part = Part(
-        cast(Center, center), gamma, zonal, cast(Layout, layout), light, rho, maps.transpose(0, 2, 3, 1)
+
+    # the maps, row by row as they lie in memory
+    pixels = picture.pixels.reshape(rows, columns, channels // 3, 3)
+    maps = CoefficientMaps(
+        center=cast(Center, center),
+        gamma=gamma,
+        layout=cast(Layout, layout),
+        rings=np.ascontiguousarray(pixels.transpose(0, 2, 3, 1), dtype=np.float32),
+        zonal=zonal,
     )
-    if not np.isfinite(picture.pixels).all():
-        raise ValueError("maps that are not finite")
-    if layout == "cube":
-        return _bordered(part, maps)
-    if rows % 2 or columns != 2 * rows:
+    if layout == "latlong" and (rows % 2 or columns != 2 * rows):
         raise ValueError(f"lat-long maps of {columns} x {rows} texels")
-    rings = np.ascontiguousarray(part.rings, dtype=np.float32)
-    return Part(part.center, gamma, zonal, "latlong", light, rho, rings)
+    if F < 0:
+        if layout == "cube":
+            raise ValueError("cube maps without coefficients")
+        return maps
+    light = _from_triangle(_pixels(images, f"{k}.light", (F + 1, 2 * F + 1, 3)))
+    rho = _pixels(images, f"{k}.rho", (F + 1, (P + 1) ** 2, 3)).reshape(F + 1, P + 1, P + 1, 3)
+    part = Part(**vars(maps), light=light, rho=rho)
+    return part if layout == "latlong" else _bordered(part)
 
 
-def _bordered(part: Part, maps: Float32Array) -> Part:
-    """A cube's faces as stored, in the borders that the coefficients give."""
-    N = maps.shape[1]
-    if N < 2 or maps.shape[0] != 6 * N or not len(part.light):
-        raise ValueError(f"cube maps of {N} x {maps.shape[0]} texels")
+def _bordered(part: Part) -> Part:
+    """Add to a cube's faces, as stored, the borders that the coefficients give."""
+    N = part.rings.shape[3]
+    if N < 2 or part.rings.shape[0] != 6 * N:
+        raise ValueError(f"cube maps of {N} x {part.rings.shape[0]} texels")
     rings = synthesised(part.coefficients, N, "cube")
     side = N + 2 * BORDER
     faces = rings.reshape(6, side, *rings.shape[1:])
-    faces[:, BORDER:-BORDER, ..., BORDER:-BORDER] = maps.reshape(6, N, *maps.shape[1:]).transpose(
-        0, 1, 3, 4, 2
-    )
-    return Part(part.center, part.gamma, part.zonal, "cube", part.light, part.rho, rings)
+    faces[:, BORDER:-BORDER, ..., BORDER:-BORDER] = part.rings.reshape(6, N, *part.rings.shape[1:])
+    return replace(part, rings=rings)
 
 
 def _image(
@@ -217,7 +263,7 @@ def _number(about: Mapping[str, Any], name: str) -> int:
     return value
 
 
-def _map_channels(part: Part) -> list[str]:
+def _map_channels(part: CoefficientMaps) -> list[str]:
     pairs = [(p, q) for p in range(part.P + 1) for q in ([0] if part.zonal else range(-p, p + 1))]
     return [f"B_{p}_{q}.{c}" for p, q in pairs for c in "RGB"]
 

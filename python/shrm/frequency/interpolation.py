@@ -8,7 +8,7 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.frequency.orders import degree_power
-from shrm.frequency.reflection_map import Part
+from shrm.frequency.part import Part
 from shrm.lobes.center import gamma_at
 from shrm.lobes.reflection import Layout
 

@@ -33,7 +33,8 @@ from shrm.frequency.orders import (
     require_orders,
     require_tolerance,
 )
-from shrm.frequency.reflection_map import Part, ReflectionMap
+from shrm.frequency.part import Part
+from shrm.frequency.reflection_map import ReflectionMap
 from shrm.frequency.split_orders import CORE_SHARE, Split, split_for
 from shrm.integrate.angular import DEFAULT_SIZE
 from shrm.integrate.residual import Residual, residual_for

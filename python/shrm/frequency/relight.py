@@ -22,8 +22,9 @@ from shrm.brdf.lobe import Center
 from shrm.environment import Environment
 from shrm.frequency.analysis import LobeAnalysis
 from shrm.frequency.orders import F_MAX, P_MAX, Criterion, analysed, analysis_degree
+from shrm.frequency.part import Part
 from shrm.frequency.prefilter import Window, predicted_error, predicted_split_error, prefilter_split, windowed
-from shrm.frequency.reflection_map import Part, ReflectionMap
+from shrm.frequency.reflection_map import ReflectionMap
 from shrm.frequency.rings import empty_halves, require_half_range
 from shrm.lobes.reflection import Layout
 from shrm.validation import rotation as checked_rotation
@@ -117,7 +118,7 @@ class Prefilter:
         self._rotation: FloatArray | None = None
         self._rotate = _core.Rotation(F=self.map.F, channels=3)
         self._rotated = np.empty_like(self._light)
-        self._plans = [_LobePlan(part) for part in self.map.parts]
+        self._plans = [_LobePlan(part) for part in self.map.expanded_parts()]
 
     def update(
         self,

@@ -16,7 +16,8 @@ import numpy.typing as npt
 from shrm import _core, sh
 from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.lobe import Center
-from shrm.frequency.reflection_map import Part, ReflectionMap, require_no_residual, zonal_harmonics
+from shrm.frequency.part import CoefficientMaps, Part, zonal_harmonics
+from shrm.frequency.reflection_map import ReflectionMap, require_no_residual
 from shrm.lobes.center import gamma_table
 from shrm.lobes.reflection import Reflection
 from shrm.prefiltered.icosahedron import icosahedron
@@ -157,10 +158,9 @@ def without_azimuth(rm: ReflectionMap) -> ReflectionMap:
     """
     if not isinstance(rm, ReflectionMap):
         raise TypeError(f"rm must be a ReflectionMap, got {type(rm).__name__}")
-    if any(part.F < 0 for part in rm.parts):
-        raise ValueError(f"{rm.brdf} was fitted to pictures, and has no coefficients to take q = 0 from")
+    parts = rm.expanded_parts()
     require_no_residual(rm, "a map without azimuth")
-    return replace(rm, parts=tuple(map(_radial, rm.parts)), predict=partial(float, "nan"))
+    return replace(rm, parts=tuple(map(_radial, parts)), predict=partial(float, "nan"))
 
 
 def _radial(part: Part) -> Part:
@@ -203,18 +203,9 @@ def fit(
         If shapes do not fit, views are not unit vectors or do not determine the coefficients.
     """
     V = unit_vectors("views", views)
-    pixels = real_array("maps", maps)
+    pixels = lat_long_pictures(maps, len(V))
     one_of("center", center, ("reflection", "normal", "tangent"))
     whole_number("P", P, 0, 24)
-    if (
-        pixels.ndim != 4
-        or len(pixels) != len(V)
-        or pixels.shape[2] != 2 * pixels.shape[1]
-        or pixels.shape[3] != 3
-    ):
-        raise ValueError(f"maps must have the shape ({len(V)}, H, 2 H, 3), got {pixels.shape}")
-    if pixels.shape[1] % 2:
-        raise ValueError(f"maps needs an even number of rows, got {pixels.shape[1]}")
     Y = sh.evaluate(np.eye((P + 1) ** 2), V)
     if np.linalg.matrix_rank(Y, rtol=1e-6) < (P + 1) ** 2:
         raise ValueError(f"{len(V)} views do not determine the {(P + 1) ** 2} coefficients of P = {P}")
@@ -223,19 +214,28 @@ def fit(
     energy = float((flat**2).sum())
     error = float(np.sqrt(((Y @ coefficients - flat) ** 2).sum() / energy)) if energy > 0 else 0.0
     rings = coefficients.reshape(-1, *pixels.shape[1:]).transpose(1, 0, 3, 2)
-    part = Part(
+    part = CoefficientMaps(
         center=center,
         gamma=gamma_table(center),
-        zonal=False,
         layout="latlong",
-        light=np.zeros((0, 3)),
-        rho=np.zeros((0, P + 1, P + 1, 3)),
         rings=np.ascontiguousarray(rings, dtype=np.float32),
+        zonal=False,
     )
     return ReflectionMap((part,), name, "fit", None, False, lambda: error)
 
 
-def _azimuthal_mean(part: Part) -> FloatArray:
+def lat_long_pictures(maps: npt.ArrayLike, count: int) -> FloatArray:
+    """Return pictures as (count, H, 2 H, 3) float64, H even; TypeError or ValueError if they are not that."""
+    pixels = real_array("maps", maps)
+    _, H, W, channels = pixels.shape if pixels.ndim == 4 else (0, 0, 0, 0)
+    if len(pixels) != count or channels != 3 or W != 2 * H:
+        raise ValueError(f"maps must have the shape ({count}, H, 2 H, 3), got {pixels.shape}")
+    if H % 2:
+        raise ValueError(f"maps must have an even number of rows, got {H}")
+    return pixels
+
+
+def _azimuthal_mean(part: CoefficientMaps) -> FloatArray:
     """B_p0 of the local form, sqrt(4 pi / (2p+1)) sum_q B~_pq Y_pq(C): [RH02] eq. 8 inverted, at s = 0."""
     maps = part.maps.astype(np.float64)
     C = part.directions().reshape(-1, 3)

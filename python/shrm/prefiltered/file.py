@@ -25,11 +25,10 @@ import numpy.typing as npt
 from shrm import image_io
 from shrm.arrays import FloatArray
 from shrm.brdf.lobe import Center
-from shrm.frequency.reflection_map import Part
 from shrm.frequency.rings import BORDER
 from shrm.image_io import ImageError
 from shrm.lobes.reflection import Layout
-from shrm.prefiltered.layers import Y00
+from shrm.prefiltered.layers import Layer
 from shrm.prefiltered.maps import (
     Anisotropic,
     Cabral,
@@ -81,7 +80,7 @@ def save(lobes: Sequence[PrefilteredMap], path: str | Path) -> None:
                 "shrm:brdf": one.brdf,
             }
         rings = np.concatenate([layer.rings for layer in one.layers], axis=1)  # (H, K, 3, W)
-        flat = rings.transpose(0, 3, 1, 2).reshape(rings.shape[0], rings.shape[3], -1) * Y00
+        flat = rings.transpose(0, 3, 1, 2).reshape(rings.shape[0], rings.shape[3], -1)
         parts.append(
             _image(f"{k}.maps", flat, [f"L_{j}.{c}" for j in range(rings.shape[1]) for c in "RGB"], about)
         )
@@ -136,15 +135,12 @@ def _lobe(images: Mapping[str, image_io.Part], k: int, brdf: str) -> Prefiltered
         if len(gamma) < 2 or gamma.min() < 0 or gamma.max() > np.pi:
             raise ValueError("a table of gamma that is none")
     K = channels // 3
-    rings = (_finite(images, f"{k}.maps") / Y00).reshape(rows, columns, K, 3).transpose(2, 0, 3, 1)
+    rings = _finite(images, f"{k}.maps").reshape(rows, columns, K, 3).transpose(2, 0, 3, 1)
     layers = tuple(
-        Part(
+        Layer(
             cast(Center, center),
             gamma,
-            False,
             cast(Layout, layout),
-            np.zeros((0, 3)),
-            np.zeros((0, 1, 1, 3)),
             np.ascontiguousarray(layer[:, None], np.float32),
         )
         for layer in rings

@@ -13,8 +13,7 @@ from shrm.brdf import BRDF, Material
 from shrm.brdf.lobe import Center, Lobe, refuse_anisotropic
 from shrm.environment import Environment
 from shrm.frequency.prefilter import prefilter as prefilter_in_frequency
-from shrm.frequency.reflection_map import Part
-from shrm.frequency.rings import BORDER
+from shrm.frequency.rings import Interpolation, Rings, ring_directions
 from shrm.integrate.angular import DEFAULT_SIZE, prefilter_angular
 from shrm.integrate.angular_lobes import across, bisector
 from shrm.integrate.hierarchical import prefilter_hierarchical
@@ -39,8 +38,16 @@ class Reflects(Protocol):
         """Reflected radiance (n, 3)."""
 
 
-Y00 = 1.0 / np.sqrt(4.0 * np.pi)
-"""What a map of P = 0 is multiplied by when it is looked up."""
+class Layer(Rings):
+    """A map of radiance over the central direction C: rings (H, 1, 3, W)."""
+
+    def radiance(self, C: FloatArray, interpolation: Interpolation = "cubic") -> Float32Array:
+        """Return the radiance at central directions (n, 3), from look-ups; (n, 3)."""
+        # a map of P = 0 is multiplied by Y_00 = 1 / sqrt(4 pi)
+        return self.look_up(C, C, False, interpolation) * np.float32(np.sqrt(4.0 * np.pi))
+
+    def __repr__(self) -> str:
+        return f"<Layer about the {self.center}: {self.layout} {self.size}>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,17 +91,12 @@ class Layers:
 
     def layer(
         self, center: Center, radiance: Callable[[FloatArray], Float32Array], gamma: FloatArray
-    ) -> Part:
-        """A map over C of radiance(C), borders of faces included."""
-        border = 2 * BORDER if self.layout == "cube" else 0
-        rows = 6 * (self.size + border) if self.layout == "cube" else self.size
-        columns = self.size + border if self.layout == "cube" else 2 * self.size
-        rings = np.zeros((rows, 1, 3, columns), np.float32)
-        empty = Part(center, gamma, False, self.layout, np.zeros((0, 3)), np.zeros((0, 1, 1, 3)), rings)
-        C = empty.ring_directions()
-        found = radiance(np.ascontiguousarray(C.reshape(-1, 3))).reshape(C.shape)
-        rings[:, 0] = found.transpose(0, 2, 1) / np.float32(Y00)
-        return empty
+    ) -> Layer:
+        """Return a map over C of radiance(C), borders of faces included."""
+        C = ring_directions(self.size, self.layout)
+        pixels = radiance(np.ascontiguousarray(C.reshape(-1, 3))).reshape(C.shape)
+        rings = np.ascontiguousarray(pixels.transpose(0, 2, 1)[:, None], np.float32)
+        return Layer(center, gamma, self.layout, rings)
 
 
 def require_material(brdf: BRDF) -> None:
@@ -121,7 +123,7 @@ def one_lobe(brdf: BRDF, name: str, kinds: tuple[str, ...], centers: tuple[Cente
     return Material((lobe,), brdf.name)
 
 
-def radial_layers(materials: Sequence[Material], how: Layers) -> tuple[Part, ...]:
+def radial_layers(materials: Sequence[Material], how: Layers) -> tuple[Layer, ...]:
     """One layer for each material of one radial lobe."""
     layers = []
     for one in materials:
@@ -132,7 +134,7 @@ def radial_layers(materials: Sequence[Material], how: Layers) -> tuple[Part, ...
     return tuple(layers)
 
 
-def sliced_layers(lobe: Lobe, name: str, how: Layers, slices: int) -> tuple[Part, ...]:
+def sliced_layers(lobe: Lobe, name: str, how: Layers, slices: int) -> tuple[Layer, ...]:
     """Layers of a zonal lobe at equal steps of the angle between C and V."""
     K = whole_number("slices", slices, 2, MOST_SLICES)
     reflection = how.integrated(Material((lobe,), name))

@@ -15,23 +15,23 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf import BRDF, Material
 from shrm.brdf.lobe import Center
 from shrm.environment import Environment
-from shrm.frequency.reflection_map import Interpolation, Part
+from shrm.frequency.rings import Interpolation
 from shrm.integrate.angular_lobes import across, central_directions, normals_of
 from shrm.lobes.center import gamma_at, gamma_table
 from shrm.lobes.factored import FactoredLobe, factor_at, factored, symmetric
 from shrm.lobes.reflection import Layout
-from shrm.prefiltered.explicit import fit
+from shrm.prefiltered.explicit import lat_long_pictures
 from shrm.prefiltered.icosahedron import icosahedron, weights
 from shrm.prefiltered.layers import (
-    Y00,
     Integrator,
+    Layer,
     Layers,
     largest_angle,
     one_lobe,
     radial_layers,
     sliced_layers,
 )
-from shrm.validation import one_of, real_array, unit_vectors
+from shrm.validation import one_of, unit_vectors
 
 S = TypeVar("S", bound="_OneShape")
 D = TypeVar("D", bound="_Slices")
@@ -52,13 +52,13 @@ class PrefilteredMap(ABC):
         When that is all there is.
     kinds, centers : tuple of str
         Of the lobes that it holds; isotropic ones may have any center.
-    layers : tuple of Part
-        Reflection maps over C, P = 0.
+    layers : tuple of Layer
+        Maps of radiance over C.
     brdf : str
         The material's name.
     """
 
-    layers: tuple[Part, ...]
+    layers: tuple[Layer, ...]
     brdf: str
 
     keeps: ClassVar[str]
@@ -84,7 +84,7 @@ class PrefilteredMap(ABC):
     @property
     def maps(self) -> Float32Array:
         """Radiance of the layers: (K, H, W, 3), or (K, 6, N, N, 3)."""
-        return np.concatenate([layer.maps for layer in self.layers]) * np.float32(Y00)
+        return np.concatenate([layer.maps for layer in self.layers])
 
     @property
     def nbytes(self) -> int:
@@ -140,7 +140,7 @@ class PrefilteredMap(ABC):
             share = shares[:, k] if shares.ndim == 3 else shares[:, k, None]
             near = np.flatnonzero(share.any(axis=1))
             if len(near):
-                result[near] += share[near] * layer.looked_up(C[near], C[near], interpolation)
+                result[near] += share[near] * layer.radiance(C[near], interpolation)
         return result
 
     def _central(self, N: FloatArray, V: FloatArray, T: FloatArray) -> FloatArray:
@@ -408,11 +408,11 @@ class Cabral(PrefilteredMap):
         TypeError, ValueError
             If the maps have another shape.
         """
-        pixels, views = real_array("maps", maps), icosahedron()
-        if pixels.ndim != 4 or len(pixels) != len(views):
-            raise ValueError(f"maps must have the shape (12, H, 2 H, 3), got {pixels.shape}")
-        one = [slice(k, k + 1) for k in range(len(views))]
-        return cls(tuple(fit(pixels[k], views[k], P=0, center=center).parts[0] for k in one), name)
+        pixels = lat_long_pictures(maps, len(icosahedron()))
+        one_of("center", center, ("reflection", "normal", "tangent"))
+        rings = np.ascontiguousarray(pixels.transpose(0, 1, 3, 2)[:, :, None], np.float32)
+        gamma = gamma_table(center)
+        return cls(tuple(Layer(center, gamma, "latlong", layer) for layer in rings), name)
 
     @classmethod
     def _made(cls, one: Material, how: Layers) -> Cabral:

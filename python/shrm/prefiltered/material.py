@@ -15,19 +15,15 @@ from shrm.brdf import BRDF, Material
 from shrm.brdf.lobe import Lobe, ZonalLobe, refuse_anisotropic
 from shrm.environment import Environment
 from shrm.frequency.analysis import analyse
-from shrm.frequency.reflection_map import (
-    Interpolation,
-    Part,
-    ReflectionMap,
-    require_no_residual,
-    zonal_harmonics,
-)
+from shrm.frequency.part import Part, zonal_harmonics
+from shrm.frequency.reflection_map import ReflectionMap, require_no_residual
+from shrm.frequency.rings import Interpolation
 from shrm.lobes.center import gamma_table
 from shrm.lobes.factored import MOST_LOBES, factored, factored_phong, symmetric
 from shrm.lobes.reflection import Layout
 from shrm.prefiltered import file
 from shrm.prefiltered.icosahedron import icosahedron
-from shrm.prefiltered.layers import MOST_SLICES, Y00, Integrator, Layers, largest_angle, require_material
+from shrm.prefiltered.layers import MOST_SLICES, Integrator, Layer, Layers, largest_angle, require_material
 from shrm.prefiltered.maps import (
     SLICES,
     Anisotropic,
@@ -180,23 +176,22 @@ def of_reflection_map(
     require_material(brdf)
     one_of("technique", technique, get_args(Technique))
     _require_counts(lobes, slices)
-    if brdf.name != rm.brdf or len(brdf.lobes) != len(rm.parts) or any(part.F < 0 for part in rm.parts):
+    if brdf.name != rm.brdf or len(brdf.lobes) != len(rm.parts):
         raise ValueError(f"rm must have been prefiltered with {brdf.name}, got one of {rm.brdf}")
     maps: list[PrefilteredMap] = []
-    for lobe, part in zip(brdf.lobes, rm.parts, strict=True):
+    for lobe, part in zip(brdf.lobes, rm.expanded_parts(), strict=True):
         if technique == "cabral" and lobe.kind == "isotropic":
             maps.append(Cabral(_at_vertices(part, rm.clamp), rm.brdf))
         elif lobe.kind == "radial":
             cls = Diffuse if part.center == "normal" else Phong
-            maps.append(cls((_layer(part, part.rings),), rm.brdf))
+            maps.append(cls((_constant_layer(part),), rm.brdf))
         elif technique in ("kautz-mccool-3d", "cabral") or lobe.center == "tangent":
             found = symmetric(lobe)
             sliced = Anisotropic if found.center == "tangent" else KautzMcCool3D
             maps.append(sliced(_slices(part, found, rm.P, slices), rm.brdf))
         else:
             fit = factored_phong(lobe) if technique == "miller-heidrich" else factored(lobe, lobes)
-            layers = tuple(_expanded(part, one.lobe, 0) for one in fit)
-            layers = tuple(_layer(one, one.rings) for one in layers)
+            layers = tuple(_constant_layer(_expanded(part, one.lobe, 0)) for one in fit)
             maps.append(KautzMcCool2D(layers, rm.brdf, np.stack([one.factor for one in fit])))
     return Prefiltered(tuple(maps))
 
@@ -216,33 +211,32 @@ def _expanded(part: Part, lobe: Lobe, P: int) -> Part:
     return zonal.resized(part.size, part.layout)
 
 
-def _slices(part: Part, lobe: ZonalLobe, P: int, slices: int) -> tuple[Part, ...]:
+def _slices(part: Part, lobe: ZonalLobe, P: int, slices: int) -> tuple[Layer, ...]:
     """Layers of a zonal lobe: its maps at angles between C and V [RH02 eq. 6]."""
     zonal = _expanded(part, lobe, P)
     angles = np.linspace(0.0, largest_angle(lobe.center), slices)
-    shares = zonal_harmonics(P, np.cos(angles)) / Y00
+    shares = zonal_harmonics(P, np.cos(angles))
     return tuple(
         _layer(zonal, np.einsum("p,hpcw->hcw", share.astype(np.float32), zonal.rings)[:, None])
         for share in shares
     )
 
 
-def _layer(part: Part, rings: RealArray) -> Part:
-    """A layer: one map, of P = 0, without coefficients."""
-    return replace(
-        part,
-        zonal=False,
-        light=np.zeros((0, 3)),
-        rho=np.zeros((0, 1, 1, 3)),
-        rings=np.ascontiguousarray(rings, np.float32),
-    )
+def _constant_layer(part: Part) -> Layer:
+    """The layer of a lobe of P = 0, whose radiance is B_00 Y_00 for all views."""
+    return _layer(part, np.asarray(part.rings, np.float32) * np.float32(1.0 / np.sqrt(4.0 * np.pi)))
 
 
-def _at_vertices(part: Part, clamp: bool) -> tuple[Part, ...]:
+def _layer(part: Part, radiance: RealArray) -> Layer:
+    """The layer of the grid of a part that holds radiance, (H, 1, 3, W)."""
+    return Layer(part.center, part.gamma, part.layout, np.ascontiguousarray(radiance, np.float32))
+
+
+def _at_vertices(part: Part, clamp: bool) -> tuple[Layer, ...]:
     """The maps of one lobe for each vertex, borders included [RH02 eq. 12]."""
     Y = sh.evaluate(np.eye((part.P + 1) ** 2), icosahedron())
     rings = np.asarray(part.rings, np.float32)
     of_views = list(np.tensordot(Y.astype(np.float32), rings, axes=(1, 1)))
     if clamp:
         of_views = [np.maximum(of_view, 0.0) for of_view in of_views]
-    return tuple(_layer(part, of_view[:, None] / np.float32(Y00)) for of_view in of_views)
+    return tuple(_layer(part, of_view[:, None]) for of_view in of_views)

@@ -143,7 +143,7 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
 
     def coefficients() -> representations.Coefficients:
         rm = prefilter(fresh(reduced), about_R, orders=(F, P), size=2)
-        return representations.Coefficients(rm.parts[0].coefficients.astype(np.float32))
+        return representations.Coefficients(rm.expanded_parts()[0].coefficients.astype(np.float32))
 
     def shrm() -> representations.HarmonicMaps:
         rm = prefilter(fresh(reduced), about_R, orders=(F, P), size=H)

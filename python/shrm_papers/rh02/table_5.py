@@ -326,7 +326,7 @@ def enough(
 
 def truncated(rm: ReflectionMap, F: int) -> ReflectionMap:
     """Return a map of one lobe with fewer degrees."""
-    part = rm.parts[0]
+    (part,) = rm.expanded_parts()
     fewer = replace(part, light=part.light[: (F + 1) ** 2].copy(), rho=part.rho[: F + 1].copy())
     return replace(rm, parts=(fewer.resized(part.size, part.layout),))
 

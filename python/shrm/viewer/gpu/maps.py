@@ -13,16 +13,17 @@ import numpy as np
 
 from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.lobe import Center
-from shrm.frequency.reflection_map import Part
+from shrm.frequency.part import CoefficientMaps, Part
+from shrm.frequency.rings import Rings
 from shrm.prefiltered import Cabral, Diffuse, KautzMcCool2D, Phong, PrefilteredMap
-from shrm.prefiltered.layers import Y00, largest_angle
+from shrm.prefiltered.layers import largest_angle
 from shrm.prefiltered.paraboloid import ParaboloidMap, RadialCenter
 from shrm.viewer.gpu.programs import Maps
 
 CENTERS: dict[Center, int] = {"reflection": 0, "normal": 1, "tangent": 2, "lobe": 3}
 
 
-def as_cube(part: Part, size: int) -> Part:
+def as_cube(part: CoefficientMaps, size: int) -> CoefficientMaps:
     """Return a lobe's maps on a cube: as they are, or made again from their coefficients.
 
     Raises
@@ -30,14 +31,19 @@ def as_cube(part: Part, size: int) -> Part:
     ValueError
         If they are lat-long and have no coefficients.
     """
-    if part.layout == "cube":
-        return part
-    if part.F < 0:
+    if part.layout != "cube" and isinstance(part, Part):
+        return part.resized(size, "cube")
+    require_cube(part)
+    return part
+
+
+def require_cube(maps: Rings) -> None:
+    """Raise ValueError unless maps are on a cube."""
+    if maps.layout != "cube":
         raise ValueError(
             "lat-long maps without coefficients cannot be drawn by the GPU: make cube maps "
             "(shrm prefilter --layout cube)"
         )
-    return part.resized(size, "cube")
 
 
 def factors_texture(gl: moderngl.Context, factors: FloatArray) -> moderngl.Texture:
@@ -101,7 +107,7 @@ class CubeLobe(Lobe):
         self._written = False  # whether `_layered` holds the maps
         self._pixels: Float32Array = np.empty((6, 0, 0, 3), np.float32)
 
-    def _take(self, part: Part, **uniforms: Any) -> None:
+    def _take(self, part: Rings, **uniforms: Any) -> None:
         """Take the center of other maps, which have the shape of those before them."""
         self.gamma.release()
         self.gamma = self._gamma(part.gamma if len(part.gamma) else np.zeros(2))
@@ -162,11 +168,11 @@ class LobeMaps(CubeLobe):
 
     near = "factored"
 
-    def __init__(self, gl: moderngl.Context, part: Part, size: int) -> None:
+    def __init__(self, gl: moderngl.Context, part: CoefficientMaps, size: int) -> None:
         super().__init__(gl, size)
         self.renew(part)
 
-    def renew(self, part: Part) -> None:
+    def renew(self, part: CoefficientMaps) -> None:
         """Take other maps of the same shape."""
         self._part = as_cube(part, self._size)
         self._take(self._part, P=self._part.P, zonal=self._part.zonal)
@@ -191,7 +197,9 @@ class LayeredLobe(CubeLobe):
     def renew(self, map: PrefilteredMap) -> None:
         """Take other layers of the same shape."""
         self._map = map
-        self._layers = [as_cube(layer, self._size) for layer in map.layers]
+        self._layers = map.layers
+        for layer in self._layers:
+            require_cube(layer)
         factors = map.factors if isinstance(map, KautzMcCool2D) else np.ones((1, 1, 1))
         kind = SHARES.get(type(map), SLICED)
         self._take(
@@ -215,8 +223,7 @@ class LayeredLobe(CubeLobe):
     def _sum(self, view: FloatArray, pixels: Float32Array) -> None:
         if self._places is None:
             C = self._layers[0].directions().reshape(-1, 3)
-            constant = np.float32(Y00)
-            layers = np.stack([constant * layer.maps[0].reshape(-1, 3) for layer in self._layers])
+            layers = np.stack([layer.maps[0].reshape(-1, 3) for layer in self._layers])
             self._places = C, np.ascontiguousarray(layers, np.float32)
         C, layers = self._places
         shares = self._map.shares(np.arccos(np.clip(C @ view[0], -1.0, 1.0)), view)
@@ -232,7 +239,7 @@ class LayeredLobe(CubeLobe):
             flat[near] += share[near] * layer[near]
 
     def _rings(self) -> Float32Array:
-        return np.float32(Y00) * np.concatenate([layer.rings for layer in self._layers], axis=1)
+        return np.concatenate([layer.rings for layer in self._layers], axis=1)
 
     def release(self) -> None:
         """Free what it holds on the GPU."""
