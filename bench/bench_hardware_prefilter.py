@@ -47,21 +47,21 @@ def exact(env: Environment) -> Callable[[int], npt.NDArray[np.float32]]:
 @pytest.mark.benchmark(group="hardware prefilter", max_time=0.5, min_rounds=2)
 @pytest.mark.parametrize("s", [10, 100, 500])
 @pytest.mark.parametrize(
-    ("method", "taps"), [("two-pass", 1), ("one-pass", 1), ("exact", 32), ("exact", 128)]
+    ("filter", "taps"), [("two-pass", 1), ("one-pass", 1), ("exact", 32), ("exact", 128)]
 )
 def bench_filter(
-    measured: Measured, context: Context, env: Environment, exact: Any, method: Any, taps: int, s: int
+    measured: Measured, context: Context, env: Environment, exact: Any, filter: Any, taps: int, s: int
 ) -> None:
     """The filter alone; the unfiltered map and its mip-map are there."""
-    how = f"exact, {taps} taps" if method == "exact" else method
+    how = f"exact, {taps} taps" if filter == "exact" else filter
     driver = str(context.gl.info["GL_RENDERER"]).split(" (")[0]
     with HardwarePrefilter(
-        brdf.Phong(s), size=SIZE, border=BORDER, method=method, taps=taps, context=context
+        brdf.Phong(s), size=SIZE, border=BORDER, filter=filter, taps=taps, context=context
     ) as prefilter:
         prefilter.update(env)
 
         def filtered() -> HardwarePrefilter:
-            prefilter.filter()
+            prefilter.apply_filter()
             context.gl.finish()
             return prefilter
 
@@ -78,7 +78,7 @@ def bench_unfiltered_map(measured: Measured, context: Context, env: Environment)
     with HardwarePrefilter(brdf.Phong(10), size=SIZE, border=BORDER, context=context) as prefilter:
 
         def taken() -> HardwarePrefilter:
-            prefilter.take(env)
+            prefilter.set_light(env)
             context.gl.finish()
             return prefilter
 

@@ -118,9 +118,9 @@ def bench_methods(noted: Noted, env: Environment, context: Context | None) -> No
             "when": entry.when,
         }
 
-    def on_the_gpu(gpu: Context, method: Any, when: str) -> Row:
-        entry = Entry(f"GPU, {method} (Kautz et al.)", KautzMcCool2D.keeps, GOLD, HardwarePrefilter, when)
-        with HardwarePrefilter(GOLD, size=256, method=method, clamp=CLAMP, context=gpu) as hardware:
+    def on_the_gpu(gpu: Context, filter: Any, when: str) -> Row:
+        entry = Entry(f"GPU, {filter} (Kautz et al.)", KautzMcCool2D.keeps, GOLD, HardwarePrefilter, when)
+        with HardwarePrefilter(GOLD, size=256, filter=filter, clamp=CLAMP, context=gpu) as hardware:
 
             def filtered() -> HardwarePrefilter:
                 hardware.update(light)

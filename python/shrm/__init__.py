@@ -24,8 +24,7 @@ from shrm.integrate.angular import prefilter_angular
 from shrm.integrate.hierarchical import prefilter_hierarchical
 from shrm.methods.auto import prefilter
 from shrm.prefiltered import explicit
-
-__version__ = "0.1.0"
+from shrm.version import __version__ as __version__
 
 __all__ = [
     "Environment",

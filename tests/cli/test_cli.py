@@ -15,6 +15,7 @@ from shrm.environment import Environment, layouts
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.image_io import ImageWarning, read_image, write_image
 from shrm.prefiltered import Prefiltered
+from shrm.version import __version__
 
 Array = npt.NDArray[np.floating]
 
@@ -36,6 +37,10 @@ def test_the_command_is_installed() -> None:
     assert command.exists()
     done = subprocess.run([command, "--help"], capture_output=True, text=True, check=True)
     assert "prefilter" in done.stdout
+
+
+def test_the_version_is_that_of_the_package(shrm: Command) -> None:
+    assert shrm("--version") == (0, f"shrm {__version__}\n", "")
 
 
 def test_info_tells_of_an_environment(shrm: Command, sky: Path) -> None:
@@ -110,9 +115,13 @@ def test_prefilter_makes_maps_by_earlier_techniques(
     assert status == 0
     assert "Diffuse (n) + " in out
     assert len(Prefiltered.load(path).lobes) == 2
+    status, out, _ = shrm("info", path)
+    assert status == 0
+    assert "prefiltered maps of " in out
+    assert "Diffuse (n), about the normal" in out
     row = ("--env", sky, "--size", "24x24", "--samples", 1)
     assert shrm("render", *row, "--map", path, "-o", drawn)[0] == 0
-    assert shrm("render", *row, *material, "--method", technique, "-o", made)[0] == 0
+    assert shrm("render", *row, *material, "--technique", technique, "-o", made)[0] == 0
     # The file's error is the tolerance, 5%; that of the other 1%.
     found, expected = (read_image(name).pixels for name in (drawn, made))
     assert np.abs(found - expected).max() < 0.1 * expected.max()
@@ -133,12 +142,22 @@ def test_a_saved_map_draws_the_picture_of_its_material(shrm: Command, sky: Path,
     np.testing.assert_allclose(loaded, made, rtol=1e-5, atol=1e-6)
 
 
-@pytest.mark.parametrize("method", ["shrm", "angular", "hierarchical", "cabral"])
-def test_render_draws_a_row(shrm: Command, sky: Path, tmp_path: Path, method: str) -> None:
+@pytest.mark.parametrize(
+    "choice",
+    [
+        ("--method", "frequency"),
+        ("--method", "angular"),
+        ("--method", "hierarchical"),
+        ("--method", "auto"),
+        ("--technique", "cabral"),
+    ],
+    ids=lambda choice: choice[1],
+)
+def test_render_draws_a_row(shrm: Command, sky: Path, tmp_path: Path, choice: tuple[str, str]) -> None:
     path = tmp_path / "row.exr"
     materials = ("--brdf", "lambert:0.5", "--brdf", "phong:9")
     status, out, _ = shrm(
-        "render", "--env", sky, *materials, "--size", "96x50", "--method", method, "--samples", 1, "-o", path
+        "render", "--env", sky, *materials, "--size", "96x50", *choice, "--samples", 1, "-o", path
     )
     assert status == 0
     assert "96 x 50, linear" in out
@@ -150,9 +169,9 @@ def test_render_draws_a_row(shrm: Command, sky: Path, tmp_path: Path, method: st
 
 def test_methods_agree(shrm: Command, sky: Path, tmp_path: Path) -> None:
     pictures = []
-    for method in ("shrm", "angular", "hierarchical"):
+    for method in ("frequency", "angular", "hierarchical"):
         path = tmp_path / f"{method}.exr"
-        orders = ("--orders", "8,0") if method == "shrm" else ()
+        orders = ("--orders", "8,0") if method == "frequency" else ()
         arguments = ("--env", sky, "--brdf", "lambert:0.7", *orders, "--method", method)
         assert shrm("render", *arguments, "--size", "32x32", "--samples", 1, "-o", path)[0] == 0
         pictures.append(read_image(path).pixels)
@@ -301,9 +320,15 @@ def test_a_turntable_goes_once_round(tmp_path, capsys, gpu, what):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--frames", "3"], "--frames is for a --turntable"),
-        (["--gpu", "--method", "angular"], "--gpu draws reflection maps"),
-        (["--turntable", "--method", "angular"], "turns reflection maps that it makes"),
+        (["--frames", "3"], "argument --frames: only allowed with argument --turntable"),
+        (["--gpu", "--method", "angular"], "argument --gpu: not allowed with argument --method angular"),
+        (["--gpu", "--residual", "auto"], "argument --residual: not allowed with argument --gpu"),
+        (["--turntable", "--method", "angular"], "argument --turntable light: not allowed with argument"),
+        (["--turntable", "--map", "x.exr"], "argument --turntable light: not allowed with argument --map"),
+        (["--orders", "3,2", "--technique", "cabral"], "argument --orders: not allowed with argument"),
+        (["--max-orders", "3,2", "--orders", "3,2"], "argument --max-orders: not allowed with argument"),
+        (["--tolerance", ".1", "--method", "angular"], "argument --tolerance: not allowed with argument"),
+        (["--method", "auto", "--technique", "cabral"], "argument --method: not allowed with argument"),
     ],
 )
 def test_what_does_not_go_together_is_said(arguments, said, capsys, tmp_path):

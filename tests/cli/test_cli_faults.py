@@ -8,6 +8,7 @@ import numpy.typing as npt
 import pytest
 from shrm.cli.options import LAYOUTS
 from shrm.environment import layouts
+from shrm.frequency.orders import F_MAX, P_MAX
 from shrm.image_io import read_image, write_image
 
 Array = npt.NDArray[np.floating]
@@ -21,6 +22,11 @@ Command = Callable[..., tuple[int, str, str]]
 
 def test_layouts_are_those_of_the_library() -> None:
     assert LAYOUTS == layouts.LAYOUTS
+
+
+def test_the_largest_orders_in_help_are_those_of_the_library(shrm: Command) -> None:
+    _, out, _ = shrm("prefilter", "--help")
+    assert f"lead to (default: {F_MAX},{P_MAX})" in " ".join(out.split())
 
 
 def one_line(err: str) -> str:
@@ -98,7 +104,7 @@ def test_texels_that_are_not_finite(shrm: Command, tmp_path: Path) -> None:
         (),
         ("no-such-command",),
         ("info",),
-        ("info", "SKY", "--layout", "round"),
+        ("info", "SKY", "--env-layout", "round"),
         ("convert", "SKY", "-o", "OUT.png"),
         ("prefilter", "SKY", "-o", "OUT.exr"),
         ("prefilter", "SKY", "--brdf", "lambert:1"),

@@ -14,7 +14,7 @@ from shrm.render import Mesh
 from shrm.transfer import Path, RadianceTransfer, precompute
 
 Command = Callable[..., tuple[int, str, str]]
-FEW = ("--directions", "128", "--tents", "5", "--path", "direct")
+FEW = ("--directions", "128", "--tents", "5", "--route", "direct")
 
 
 @pytest.fixture
@@ -87,7 +87,7 @@ def test_a_mask_has_the_second_material_where_it_is_white(
 def test_what_is_kept_is_chosen(shrm: Command, mesh_file: pathlib.Path, tmp_path: pathlib.Path) -> None:
     out = tmp_path / "chosen.shrt"
     command = ("transfer", mesh_file, "--brdf", "phong:10", "--directions", "128", "--order", "3")
-    options = ("--clusters", "4", "--components", "2", "--tents", "4", "--path", "3,8", "--uncompressed")
+    options = ("--clusters", "4", "--components", "2", "--tents", "4", "--route", "3,8", "--uncompressed")
     assert shrm(*command, *options, "--tangents", "uv", "-o", out)[0] == 0
     made = RadianceTransfer.load(out)
     assert (made.n, made.M, made.report["path"]) == (3, 4, "order 3, views of order 8")
@@ -148,7 +148,7 @@ def test_clusters_are_found_among_fewer_components_than_usual(
     shrm: Command, mesh_file: pathlib.Path, tmp_path: pathlib.Path
 ) -> None:
     out = tmp_path / "clusters.shrt"
-    few = ("--directions", "64", "--tents", "3", "--path", "5", "--clusters", "2")  # 9 tents, 25 harmonics
+    few = ("--directions", "64", "--tents", "3", "--route", "5", "--clusters", "2")  # 9 tents, 25 harmonics
     status, _, err = shrm("transfer", mesh_file, "--brdf", "lambert:0.5", *few, "-o", out)
     assert (status, err) == (0, "")
     assert RadianceTransfer.load(out).variants["shadowed"].components.shape[:2] == (2, 3)
@@ -190,7 +190,7 @@ def test_an_interrupt_that_an_import_would_swallow_comes_after_it() -> None:
         (("--brdf", "phong:10", "--mask", "no.png"), "--mask"),
         (("--brdf", "phong:10", "--albedo", "0.5"), "--albedo"),
         (("--brdf", "phong:10", "--brdf", "phong:20"), "--mask"),
-        (("--brdf", "phong:10", "--path", "8,8,8"), "direct, published, S or S,M"),
+        (("--brdf", "phong:10", "--route", "8,8,8"), "direct, published, S or S,M"),
         (("--brdf", "phong:10", "--no-shadows", "--bounces", "1"), "--bounces"),
         (("--brdf", "phong"), "--brdf"),
         (("--brdf", "phong:10", "-o", "object.exr"), ".shrt"),

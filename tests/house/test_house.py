@@ -34,7 +34,12 @@ def test_the_tool_has_nothing_to_say(command: list[str]) -> None:
 def test_one_version_everywhere() -> None:
     version = re.search(r'^version = "(.+)"', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)
     cited = re.search(r"^version: (.+)", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
+    installed = re.search(
+        r'^__version__ = "(.+)"', (ROOT / "python/shrm/version.py").read_text(), re.MULTILINE
+    )
     assert version is not None
+    assert installed is not None
+    assert installed[1] == version[1]
     assert cited is not None
     assert cited[1] == version[1]
     assert re.search(

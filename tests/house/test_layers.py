@@ -16,6 +16,7 @@ PACKAGES = ROOT / "python"
 
 # Each room may import only those above it.
 ROOMS = [
+    "version",
     "bibliography",
     "arrays",
     "_core",
@@ -47,6 +48,7 @@ ONLY_IN = {
     **{library: {"render", "transfer"} for library in ("trimesh", "embreex")},
 }
 WITHOUT_THE_CORE = {
+    "version",
     "bibliography",
     "arrays",
     "validation",

@@ -11,13 +11,13 @@ from shrm.environment import layouts
 from shrm.environment.paraboloid import face_directions
 from shrm.prefiltered import prefilter as prefilter_explicit
 from shrm.viewer import Context, ContextError, HardwarePrefilter, offscreen
-from shrm.viewer.gpu.paraboloid_kernels import filters, integral, taps, texture_kernel
+from shrm.viewer.gpu.paraboloid_kernels import integral, taps, texture_filters, texture_kernel
 from shrm.viewer.gpu.paraboloid_textures import Faces
 from support import oracles
 from support.directions import sphere
 from support.light import band_limited_environment
 
-METHODS = ("exact", "two-pass", "one-pass")
+FILTERS = ("exact", "two-pass", "one-pass")
 SIZE, BORDER = 64, 8
 SMOOTH = band_limited_environment(10, seed=1)
 D = sphere(2000, 3)
@@ -59,7 +59,7 @@ def filtered(context: Context, material: brdf.BRDF, light: Environment, **option
     ],
 )
 def test_sizes_and_shrink_factors_are_those_of_the_paper(exponent, small, large):
-    found = filters(profile(brdf.Phong(exponent)), 512, 0.1, 7)
+    found = texture_filters(profile(brdf.Phong(exponent)), 512, 0.1, 7)
     assert [(f.size, f.shrink) for f in found] == [small, large]
     assert 1.4 < found[1].radius / found[0].radius < 2.0
 
@@ -71,7 +71,7 @@ def test_kernels_and_taps_sum_to_the_integral_of_the_lobe(material):
     np.testing.assert_allclose(
         wanted, 1.0 if material.name.startswith("phong") else (0.8, 0.5, 0.2), rtol=1e-6
     )
-    for found in filters(profile(material), 128, 0.1, 7):
+    for found in texture_filters(profile(material), 128, 0.1, 7):
         kernel = texture_kernel(profile(material), found, 2.0 * found.shrink / 128)
         assert kernel.shape[0] == kernel.shape[1] <= 7
         assert kernel.min() >= 0
@@ -88,7 +88,7 @@ def test_kernels_and_taps_sum_to_the_integral_of_the_lobe(material):
 
 def test_a_lobe_wider_than_a_face_has_no_filter():
     with pytest.raises(ValueError, match=r"not fallen to 0\.1 of its maximum at 90 degrees .* exact filter"):
-        filters(profile(brdf.Phong(0)), 128, 0.1, 7)
+        texture_filters(profile(brdf.Phong(0)), 128, 0.1, 7)
 
 
 # ---- The unfiltered map
@@ -106,13 +106,13 @@ def test_directions_are_those_of_the_layout(context):
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize("method", METHODS)
-def test_a_spot_is_reflected_where_it_is(context, axis, sign, method):
+@pytest.mark.parametrize("filter", FILTERS)
+def test_a_spot_is_reflected_where_it_is(context, axis, sign, filter):
     towards = sign * np.eye(3)[axis] * 0.99 + 0.01 * np.array([0.3, 0.5, 0.7])  # not quite on it
     towards /= np.linalg.norm(towards)
     d = layouts.directions("latlong", 64, 128)
     spot = np.where((d @ towards)[..., None] > np.cos(0.1), 100.0, 0.0) * np.ones(3)
-    pixels = filtered(context, brdf.Phong(200), Environment(spot.astype(np.float32)), method=method)
+    pixels = filtered(context, brdf.Phong(200), Environment(spot.astype(np.float32)), filter=filter)
     looks = face_directions(SIZE, BORDER)
     brightest = looks.reshape(-1, 3)[pixels[..., 0].argmax()]
     # A texel is 2 / 32 radians wide at most, and a shrunk one twice as much.
@@ -121,7 +121,7 @@ def test_a_spot_is_reflected_where_it_is(context, axis, sign, method):
 
 def test_the_map_of_an_environment_is_its_mean_over_texels(context):
     with HardwarePrefilter(brdf.Phong(10), size=SIZE, context=context) as prefilter:
-        prefilter.take(SMOOTH)
+        prefilter.set_light(SMOOTH)
         found = prefilter.unfiltered()
     wanted = SMOOTH.picture("dual-paraboloid", SIZE).reshape(SIZE, 2, SIZE, 3).transpose(1, 0, 2, 3)
     looks = face_directions(SIZE, BORDER)
@@ -140,7 +140,7 @@ def test_no_light_is_lost_or_won_on_the_way_to_the_map(context, shape):
     light = Environment(pixels)
     area = layouts.solid_angles("dual-paraboloid", SIZE, 2 * SIZE).reshape(SIZE, 2, SIZE).transpose(1, 0, 2)
     with HardwarePrefilter(brdf.Phong(10), size=SIZE, context=context) as prefilter:
-        prefilter.take(light)
+        prefilter.set_light(light)
         found = prefilter.unfiltered()[:, BORDER:-BORDER, BORDER:-BORDER]
     total = (area[..., None] * found).sum(axis=(0, 1, 2))
     exact = (layouts.solid_angles("latlong", *shape)[..., None] * pixels).sum(axis=(0, 1))
@@ -157,7 +157,7 @@ def test_a_small_sun_keeps_its_light_wherever_it_stands(context, theta):
     exact = 1e5 * (layouts.solid_angles("latlong", H, 2 * H) * inside).sum()
     area = layouts.solid_angles("dual-paraboloid", SIZE, 2 * SIZE).reshape(SIZE, 2, SIZE).transpose(1, 0, 2)
     with HardwarePrefilter(brdf.Phong(10), size=SIZE, context=context) as prefilter:
-        prefilter.take(Environment(pixels))
+        prefilter.set_light(Environment(pixels))
         found = prefilter.unfiltered()[:, BORDER:-BORDER, BORDER:-BORDER]
     # At the pole its edge lies between rows whose solid angles are as 5 to 7: linear interpolation of light
     # times solid angle moves it by .056 of a row of its 3.2, 3.5% of its area. Elsewhere rows are alike.
@@ -185,8 +185,8 @@ def test_lobes_about_the_normal_and_of_three_channels(context):
     material = brdf.Lambert((0.8, 0.5, 0.2)) + 0.5 * brdf.Phong(30)
     N, V = sphere(1000, 4), sphere(1000, 5)
     exact = prefilter_angular(SMOOTH, material, tolerance=0, subsamples=1).radiance(N, V)
-    for method, bound in (("exact", 0.003), ("two-pass", 0.03), ("one-pass", 0.1)):
-        with HardwarePrefilter(material, size=128, taps=256, method=method, context=context) as prefilter:
+    for filter, bound in (("exact", 0.003), ("two-pass", 0.03), ("one-pass", 0.1)):
+        with HardwarePrefilter(material, size=128, taps=256, filter=filter, context=context) as prefilter:
             prefilter.update(SMOOTH)
             assert [lobe.center for lobe in prefilter.lobes] == ["normal", "reflection"]
             assert oracles.relative_rms(prefilter.radiance(N, V), exact) < bound
@@ -200,8 +200,8 @@ def test_any_radial_lobe_is_taken(context):
     exact = prefilter_angular(SMOOTH, SimpleNamespace(lobes=(lobe,)), tolerance=0, subsamples=1).radiance(
         D, D
     )
-    for method, bound in (("exact", 0.005), ("two-pass", 0.1)):
-        with HardwarePrefilter(lobe, size=128, taps=512, method=method, context=context) as prefilter:
+    for filter, bound in (("exact", 0.005), ("two-pass", 0.1)):
+        with HardwarePrefilter(lobe, size=128, taps=512, filter=filter, context=context) as prefilter:
             prefilter.update(SMOOTH)
             assert oracles.relative_rms(prefilter.radiance(D, D), exact) < bound
 
@@ -211,18 +211,18 @@ def test_lobes_that_change_with_the_view_are_factored(context):
     material = brdf.Lambert(0.3) + brdf.GGX(0.4, (1.0, 0.7, 0.3))
     exact = prefilter_explicit(SMOOTH, material, "kautz-mccool-2d", size=64, error=0.003)
     N, V = oracles.random_views(400, seed=21)
-    for method, bound in (("exact", 0.02), ("two-pass", 0.08)):
-        with HardwarePrefilter(material, size=128, taps=512, method=method, context=context) as prefilter:
+    for filter, bound in (("exact", 0.02), ("two-pass", 0.08)):
+        with HardwarePrefilter(material, size=128, taps=512, filter=filter, context=context) as prefilter:
             prefilter.update(SMOOTH)
             assert oracles.relative_rms(prefilter.radiance(N, V), exact.radiance(N, V)) < bound
 
 
 @pytest.mark.parametrize(("size", "border"), [(45, 3), (33, 1), (4, 2), (100, 50)])
-@pytest.mark.parametrize("method", METHODS)
-def test_faces_may_have_any_size(context, method, size, border):
+@pytest.mark.parametrize("filter", FILTERS)
+def test_faces_may_have_any_size(context, filter, size, border):
     white = Environment(np.full((16, 32, 3), 2.0, np.float32))
     with HardwarePrefilter(
-        brdf.Phong(20), size=size, border=border, method=method, context=context
+        brdf.Phong(20), size=size, border=border, filter=filter, context=context
     ) as prefilter:
         prefilter.update(white)
         np.testing.assert_allclose(prefilter.maps().maps[0].pixels, 2.0, rtol=1e-5)
@@ -230,7 +230,7 @@ def test_faces_may_have_any_size(context, method, size, border):
             return
         prefilter.update(SMOOTH)
         exact = prefilter_angular(SMOOTH, brdf.Phong(20), tolerance=0, subsamples=1).radiance(D, D)
-        assert oracles.relative_rms(prefilter.radiance(D, D), exact) < {"exact": 0.005}.get(method, 0.05)
+        assert oracles.relative_rms(prefilter.radiance(D, D), exact) < {"exact": 0.005}.get(filter, 0.05)
 
 
 @pytest.mark.parametrize("exponent", [10, 50, 100])
@@ -241,50 +241,50 @@ def test_two_passes_are_better_than_one(context, exponent):
     # What no filter at all leaves bounds both: they are filters of about the right width.
     none = prefilter_angular(SMOOTH, brdf.Phong(3000), tolerance=0).radiance(D, D)
     errors = {}
-    for method in ("two-pass", "one-pass"):
-        with HardwarePrefilter(material, size=128, method=method, context=context) as prefilter:
+    for filter in ("two-pass", "one-pass"):
+        with HardwarePrefilter(material, size=128, filter=filter, context=context) as prefilter:
             prefilter.update(SMOOTH)
-            errors[method] = oracles.relative_rms(prefilter.radiance(D, D), exact)
+            errors[filter] = oracles.relative_rms(prefilter.radiance(D, D), exact)
     assert errors["two-pass"] < 0.6 * errors["one-pass"]
     assert errors["one-pass"] < oracles.relative_rms(none, exact)
     assert errors["two-pass"] < 0.02
 
 
 @pytest.mark.parametrize("half", [False, True], ids=["float", "half"])
-@pytest.mark.parametrize("method", METHODS)
-def test_white_light_stays_white_to_the_corners(context, method, half):
+@pytest.mark.parametrize("filter", FILTERS)
+def test_white_light_stays_white_to_the_corners(context, filter, half):
     white = Environment(np.full((16, 32, 3), 0.75, np.float32))
     material = brdf.Lambert((0.8, 0.5, 0.2))
-    pixels = filtered(context, material, white, method=method, half=half)
+    pixels = filtered(context, material, white, filter=filter, half=half)
     wanted = 0.75 * np.broadcast_to([0.8, 0.5, 0.2], pixels.shape)
     # Half floats may be cut off to 11 bits: of the light, of both kernels' maps, of their blend.
     np.testing.assert_allclose(pixels, wanted, rtol=3 * 2.0**-10 if half else 1e-4)
 
 
 @pytest.mark.parametrize("exponent", [10, 500])
-@pytest.mark.parametrize("method", METHODS)
-def test_no_dark_border_and_no_fireflies(context, method, exponent):
+@pytest.mark.parametrize("filter", FILTERS)
+def test_no_dark_border_and_no_fireflies(context, filter, exponent):
     """Filters of positive weights give means of the light: nothing is darker or brighter than all of it."""
     light = np.random.default_rng(7).uniform(1.0, 2.0, (64, 128, 3)).astype(np.float32)
     light[20, 30] = 1e5
-    pixels = filtered(context, brdf.Phong(exponent), Environment(light), method=method, taps=64)
+    pixels = filtered(context, brdf.Phong(exponent), Environment(light), filter=filter, taps=64)
     assert np.isfinite(pixels).all()
     assert pixels.min() > 1.0 - 1e-3
     assert pixels.max() < 1e5
     # The sun is one texel: where the lobe does not reach it, it must not be seen.
     towards = layouts.directions("latlong", 64, 128)[20, 30]
     away = face_directions(SIZE, BORDER) @ towards < -0.5
-    if method == "exact":
+    if filter == "exact":
         assert pixels[away].max() < 2.0
 
 
-@pytest.mark.parametrize(("method", "bound"), [("exact", 0.002), ("two-pass", 0.05), ("one-pass", 0.1)])
-def test_both_faces_agree_at_the_equator(context, method, bound):
+@pytest.mark.parametrize(("filter", "bound"), [("exact", 0.002), ("two-pass", 0.05), ("one-pass", 0.1)])
+def test_both_faces_agree_at_the_equator(context, filter, bound):
     phi = np.linspace(0, 2 * np.pi, 500)
     material = brdf.Phong(30)
     exact = prefilter_angular(SMOOTH, material, tolerance=0, subsamples=1).radiance
     at = np.stack([np.cos(phi), np.sin(phi), 0 * phi], axis=1)
-    with HardwarePrefilter(material, size=128, method=method, taps=256, context=context) as prefilter:
+    with HardwarePrefilter(material, size=128, filter=filter, taps=256, context=context) as prefilter:
         prefilter.update(SMOOTH)
         faces = prefilter.maps().maps[0].pixels
     # s = -y and, downwards, t = x above and -x below: from the middle of texels.
@@ -301,19 +301,19 @@ def test_both_faces_agree_at_the_equator(context, method, bound):
     assert oracles.relative_rms(seen[0], exact(at, at)) < bound
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_black_lobe_reflects_nothing(context, method):
-    assert not filtered(context, brdf.Lambert(0.0), SMOOTH, method=method).any()
+@pytest.mark.parametrize("filter", FILTERS)
+def test_a_black_lobe_reflects_nothing(context, filter):
+    assert not filtered(context, brdf.Lambert(0.0), SMOOTH, filter=filter).any()
 
 
 # ---- Every frame
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_maps_follow_the_light(context, method):
+@pytest.mark.parametrize("filter", FILTERS)
+def test_maps_follow_the_light(context, filter):
     lights = [band_limited_environment(6, seed, H) for seed, H in ((1, 32), (2, 32), (3, 16))]
-    wanted = [filtered(context, brdf.Phong(40), light, method=method) for light in lights]
-    with HardwarePrefilter(brdf.Phong(40), size=SIZE, method=method, context=context) as prefilter:
+    wanted = [filtered(context, brdf.Phong(40), light, filter=filter) for light in lights]
+    with HardwarePrefilter(brdf.Phong(40), size=SIZE, filter=filter, context=context) as prefilter:
         for k in (0, 1, 2, 0, 2, 1):
             prefilter.update(lights[k])
             np.testing.assert_array_equal(prefilter.maps().maps[0].pixels, wanted[k])
@@ -347,10 +347,10 @@ def test_textures_and_framebuffers_are_taken(context):
 
 def test_light_is_not_clamped_but_by_what_half_floats_hold(context):
     bright = Environment(np.full((16, 32, 3), 1e5, np.float32))
-    for method in METHODS:
-        pixels = filtered(context, brdf.Phong(50), bright, method=method)
+    for filter in FILTERS:
+        pixels = filtered(context, brdf.Phong(50), bright, filter=filter)
         np.testing.assert_allclose(pixels, 1e5, rtol=1e-4)
-        pixels = filtered(context, brdf.Phong(50), bright, method=method, half=True)
+        pixels = filtered(context, brdf.Phong(50), bright, filter=filter, half=True)
         np.testing.assert_allclose(pixels, 65504.0, rtol=1e-3)
 
 
@@ -382,12 +382,12 @@ def test_both_ways_to_opengl_filter_alike():
         ({"size": 64.0}, TypeError, "size must be a whole number"),
         ({"border": 0}, ValueError, "border must be in"),
         ({"border": 33}, ValueError, r"border must be in \[1, 32\], got 33"),
-        ({"method": "fast"}, ValueError, "method must be one of exact, two-pass, one-pass, got 'fast'"),
+        ({"filter": "fast"}, ValueError, "filter must be one of exact, two-pass, one-pass, got 'fast'"),
         ({"taps": 0}, ValueError, "taps must be in"),
         ({"clamp": 0.0}, ValueError, "clamp must be above 0 and below 1, got 0.0"),
         ({"clamp": 1.0}, ValueError, "clamp must be above 0 and below 1"),
         ({"largest_kernel": 2}, ValueError, r"largest_kernel must be in \[3, 63\], got 2"),
-        ({"brdf": brdf.Phong(0), "method": "two-pass"}, ValueError, "does not fit into a face"),
+        ({"brdf": brdf.Phong(0), "filter": "two-pass"}, ValueError, "does not fit into a face"),
         ({"size": 8192}, ValueError, "faces of 10240 texels cannot be drawn: at most 64 here"),
     ],
     ids=str,
@@ -402,7 +402,7 @@ def test_wrong_arguments_are_said(context, monkeypatch, options, fault, text):
 
 def test_what_is_no_light_is_said(context):
     with HardwarePrefilter(brdf.Phong(8), size=16, context=context) as prefilter:
-        for call in (prefilter.filter, prefilter.maps, prefilter.unfiltered, lambda: prefilter.lobes):
+        for call in (prefilter.apply_filter, prefilter.maps, prefilter.unfiltered, lambda: prefilter.lobes):
             with pytest.raises(ValueError, match="nothing was filtered yet"):
                 call()
         with pytest.raises(TypeError, match=r"source must be an Environment, .* got ndarray"):

@@ -120,7 +120,7 @@ def compared(renderer: Renderer, scene: Scene, expected: ParaboloidMaps) -> floa
 @pytest.mark.parametrize("source", ["filtered", "array"])
 def test_objects_are_those_of_the_cpu(renderer, shape, largest, viewer, source):
     material = 0.5 * brdf.Lambert((0.8, 0.5, 0.2)) + brdf.Phong(30)
-    with HardwarePrefilter(material, size=64, method="two-pass", context=renderer.context) as prefilter:
+    with HardwarePrefilter(material, size=64, filter="two-pass", context=renderer.context) as prefilter:
         prefilter.update(Environment.daylight(size=64))
         maps = prefilter.maps()
         drawn = prefilter if source == "filtered" else maps

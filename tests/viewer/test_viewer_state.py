@@ -12,7 +12,7 @@ from shrm.cli import parser, view
 from shrm.render import Tangents
 from shrm.viewer.window.materials import KINDS, kind_of, value_of, with_value
 from shrm.viewer.window.orbit import Orbit
-from shrm.viewer.window.state import Method, State
+from shrm.viewer.window.state import Filter, State, Technique
 
 
 def unlike_the_default() -> State:
@@ -27,7 +27,8 @@ def unlike_the_default() -> State:
         tangents="principal",
         tolerance=0.03,
         orders=(12, 2),
-        method="cabral",
+        technique="kautz-mccool-2d",
+        filter="exact",
         viewer="near",
         shown="difference",
         automatic=False,
@@ -54,7 +55,10 @@ def test_a_saved_state_is_read_as_it_was(tmp_path: Path) -> None:
     "change",
     [
         {"format": "something else"},
-        {"method": "guess"},
+        {"technique": "guess"},
+        {"technique": "cabral"},  # which no filter makes
+        {"filter": "one"},
+        {"method": "shrm"},
         {"exposure": 10**400},
         {"exposure": True},
         {"orders": [1, 2, 3]},
@@ -161,10 +165,11 @@ def test_the_command_line_says_otherwise_than_a_saved_window(tmp_path: Path) -> 
     )
 
 
-def test_the_command_knows_the_methods_and_tangents() -> None:
+def test_the_command_knows_the_techniques_filters_and_tangents() -> None:
     """Its own lists spare --help the core."""
     command = argparse.ArgumentParser()
     view.add_arguments(command)
     choices = {action.dest: action.choices for action in command._actions}
-    assert choices["method"] == get_args(Method)
+    assert choices["technique"] == get_args(Technique)
+    assert choices["filter"] == get_args(Filter)
     assert choices["tangents"] == get_args(Tangents)

@@ -16,7 +16,7 @@ from shrm import Environment
 from shrm.image_io import ImageWarning, read_image, write_image
 from shrm.render import display
 from shrm.viewer.gpu.context import ContextError
-from shrm.viewer.window.shortcuts import METHODS
+from shrm.viewer.window.choices import TECHNIQUES
 from shrm.viewer.window.state import UNTURNED, State
 from support.window_driver import GL, MIDDLE, SIZE, WHOLE_PANEL, WIDTH, Application, Opened, glfw, same
 
@@ -319,48 +319,51 @@ def test_integration_agrees_with_the_maps(opened: Opened) -> None:
     assert np.array_equal(hands.app.screen.picture().radiance, drawn.radiance)
 
 
-def test_methods_are_compared(opened: Opened) -> None:
+def test_techniques_are_compared(opened: Opened) -> None:
     hands = opened(WHOLE_PANEL, materials=("ggx(alpha=0.4,f0=0.04)",), orders=(6, 4), viewer="near")
-    app, pictures = hands.app, {"shrm": hands.look()}
-    for method in METHODS[1:]:
+    choices = [choice for choice, _, _ in TECHNIQUES]
+    app, pictures = hands.app, {choices[0]: hands.look()}
+    for choice in choices[1:]:
         hands.press(glfw.KEY_M)
-        assert app.state.method == method
-        pictures[method] = hands.look()
-    assert not any(same(pictures[a], pictures[b]) for a, b in combinations(METHODS, 2))
+        assert (app.state.technique, app.state.filter) == choice
+        pictures[choice] = hands.look()
+    assert not any(same(pictures[a], pictures[b]) for a, b in combinations(choices, 2))
     hands.press(glfw.KEY_2)
     answered, off = app.comparison.worker.answered, {}
-    for _ in METHODS:
+    for _ in choices:
         drawn, integrated = app.screen.drawn_picture(), app.screen.picture()
         inside = (drawn.coverage == 1.0) & (integrated.coverage == 1.0)
         difference = (drawn.radiance - integrated.radiance)[inside]
         expected = np.sqrt((difference**2).sum() / (integrated.radiance[inside] ** 2).sum())
         found = re.fullmatch(r"integrated: the maps are (.+) % off", app.comparison.says)
         assert found
-        off[app.state.method] = float(found[1])
+        off[app.state.technique, app.state.filter] = float(found[1])
         assert float(found[1]) == pytest.approx(100 * expected, rel=0.06)  # two digits; half-covered pixels
         hands.press(glfw.KEY_M)
-    assert off["shrm"] == min(off.values())
-    assert off["kautz-mccool-3d"] <= off["kautz-mccool-2d"]
+    assert off["shrm", None] == min(off.values())
+    assert off["kautz-mccool-3d", None] <= off["kautz-mccool-2d", None]
     assert max(off.values()) < 60.0
     assert app.comparison.worker.answered == answered  # the same integral serves all of them
 
 
-def test_the_gpu_filters_for_a_turned_light_and_refuses_hair(opened: Opened) -> None:
-    hands = opened(materials=("ggx(alpha=0.4)",), method="hardware", viewer="near")
+@pytest.mark.parametrize("filter", ["two-pass", "exact"])
+def test_the_gpu_filters_for_a_turned_light_and_refuses_hair(opened: Opened, filter: str) -> None:
+    filtered = {"technique": "kautz-mccool-2d", "filter": filter}
+    hands = opened(materials=("ggx(alpha=0.4)",), **filtered, viewer="near")
     before = hands.look()
     hands.drag(glfw.MOUSE_BUTTON_RIGHT, MIDDLE, (MIDDLE[0] + 80, MIDDLE[1]))
     hands.settle()
     turned = hands.look()
     assert not same(turned, before)
     # As the SHRM turns: both are approximations of one picture.
-    hands.app.state = replace(hands.app.state, method="shrm")
+    hands.app.state = replace(hands.app.state, technique="shrm", filter=None)
     hands.settle()
     frequency = hands.look()
     assert np.abs(frequency.astype(int) - turned).mean() < np.abs(frequency.astype(int) - before).mean()
-    hands.app.state = replace(hands.app.state, method="hardware", materials=("kajiya-kay(exponent=8)",))
+    hands.app.state = replace(hands.app.state, **filtered, materials=("kajiya-kay(exponent=8)",))
     hands.settle()
     assert "about the tangent" in hands.app.fault
-    assert hands.app.state.method == "shrm"
+    assert (hands.app.state.technique, hands.app.state.filter) == ("shrm", None)
 
 
 def test_more_maps_than_layers_are_said_and_the_viewer_goes_far(

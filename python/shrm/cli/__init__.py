@@ -1,7 +1,9 @@
-"""The command `shrm`. One file per command; each imports what it needs when it runs.
+"""The command `shrm`: one module for each of its commands, which imports what it needs when it runs.
 
-Exit status: 0 done, 1 the work failed, 2 the command line is wrong. A failure is one line on the
-standard error that names the file or the argument and what is wrong with it.
+The exit status is 0 on success, 1 if the work failed, 2 if the command line is wrong, 130 on an interrupt. A
+failure is one line on standard error that names the file or the argument and what is wrong with it.
+
+values, compatibility -> options -> stage -> material_stage, transfer_stage -> the commands
 """
 
 from __future__ import annotations
@@ -13,15 +15,16 @@ from collections.abc import Sequence
 from shrm.cli import convert, demo, info, prefilter, render, reproduce, transfer, view
 from shrm.cli.console import warnings_as_lines
 from shrm.files import one_line
+from shrm.version import __version__
 
 COMMANDS = (demo, info, convert, prefilter, transfer, render, view, reproduce)
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaints are one line."""
+    """A parser whose errors are one line."""
 
     def error(self, message: str) -> None:  # type: ignore[override]
-        """Say what is wrong with the command line; exit status 2."""
+        """Print what is wrong with the command line and exit with status 2."""
         self.exit(2, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
 
 
@@ -32,6 +35,7 @@ def parser() -> Parser:
         description="Frequency-space environment map rendering: spherical harmonic reflection maps.",
         epilog="example: shrm demo    then    shrm COMMAND --help",
     )
+    top.add_argument("--version", action="version", version=f"shrm {__version__}")
     commands = top.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
     for module in COMMANDS:
         name = module.__name__.rpartition(".")[2]
@@ -54,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings_as_lines():
             options.run(options)
-    except argparse.ArgumentError as fault:  # an argument that only the library can judge
+    except argparse.ArgumentError as fault:  # found after the command line was parsed
         options.parser.error(one_line(fault))
     except (OSError, ValueError, RuntimeError, MemoryError) as fault:
         print(f"shrm: error: {one_line(fault)}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""What the commands say while they work: progress, warnings, faults. All on the standard error."""
+"""What the commands print on standard error while they work: progress and warnings; and interrupts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import TextIO
 @contextmanager
 def warnings_as_lines() -> Iterator[None]:
     """Print each different warning of the library once, as one line."""
-    said = set()
+    printed = set()
 
     def show(
         message: Warning | str,
@@ -25,8 +25,8 @@ def warnings_as_lines() -> Iterator[None]:
         line: str | None = None,
     ) -> None:
         text = " ".join(str(message).split())
-        if text not in said:
-            said.add(text)
+        if text not in printed:
+            printed.add(text)
             print(f"shrm: warning: {text}", file=sys.stderr)
 
     with warnings.catch_warnings():
@@ -39,12 +39,12 @@ def warnings_as_lines() -> Iterator[None]:
 
 @contextmanager
 def progress(title: str) -> Iterator[Callable[[float], None]]:
-    """Show a bar on a terminal while work runs, and clear it afterwards.
+    """Show a progress bar while work runs, if standard error is a terminal, and clear it afterwards.
 
     Yields
     ------
     callable
-        Takes the part of the work that is done, 0 to 1; never called, the bar only moves.
+        Takes the share of the work that is done, 0 to 1. Until it is called the bar shows that work goes on.
     """
     if not sys.stderr.isatty():
         yield lambda done: None
@@ -60,12 +60,12 @@ def progress(title: str) -> Iterator[Callable[[float], None]]:
 
 @contextmanager
 def stages() -> Iterator[Callable[[str, int, int], None]]:
-    """Show a bar for each stage of long work on a terminal, one below the other.
+    """Show a progress bar for each stage of long work, if standard error is a terminal.
 
     Yields
     ------
     callable
-        Takes the stage, and how much of how much of it is done.
+        Takes the name of the stage, how much of it is done, and how much there is in all.
     """
     if not sys.stderr.isatty():
         yield lambda stage, done, total: None
@@ -95,16 +95,16 @@ def stages() -> Iterator[Callable[[str, int, int], None]]:
 
 @contextmanager
 def interrupts_afterwards() -> Iterator[None]:
-    """Have Ctrl-C wait for the end of what is short, and would take it for a fault of its own."""
-    here = threading.current_thread() is threading.main_thread()
-    if not here or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+    """Delay Ctrl-C until the end of short work that would mistake it for a failure of its own."""
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    if not in_main_thread or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return
-    came: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, frame: came.append(number))
+    received: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, frame: received.append(number))
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    if came:
+    if received:
         raise KeyboardInterrupt

@@ -1,31 +1,49 @@
 """Convert an environment map to another layout or file format.
 
-Every conversion is area-exact: the light of each texel stays where it is, small suns included.
-The format follows the name: .exr, .pfm and .tif are float32, .hdr keeps each value to 0.4%.
+Every conversion is area-exact: the light of each texel stays where it is, small suns included. The format
+follows from the suffix: .exr, .pfm and .tif hold float32, .hdr keeps each value to 0.4%.
 """
 
 from __future__ import annotations
 
 import argparse
 
+from shrm.cli import values
 from shrm.cli.console import progress
-from shrm.cli.options import LAYOUTS, add_environment, add_output, read_environment, whole
+from shrm.cli.options import LAYOUTS, add_environment, add_output, read_environment
 
 EXAMPLE = "shrm convert probe.hdr --layout vertical-cross -o cross.exr"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    add_environment(command, layout_flags=("--env-layout",))
+    add_environment(command)
     command.add_argument(
-        "--layout", choices=LAYOUTS, default="latlong", metavar="L", help="layout to write (default latlong)"
+        "--env-border",
+        type=values.count,
+        default=0,
+        metavar="N",
+        help="texels around each face of a dual paraboloid that is read (default: 0)",
     )
-    command.add_argument("--size", type=whole, metavar="N", help="rows of the lat-long picture, or of a face")
     command.add_argument(
-        "--border", type=whole, default=0, metavar="N", help="texels round each face of a dual paraboloid"
+        "--layout",
+        choices=LAYOUTS,
+        default="latlong",
+        metavar="LAYOUT",
+        help="layout to write, one of the same (default: latlong)",
     )
     command.add_argument(
-        "--env-border", type=whole, default=0, metavar="N", help="the same, of the file that is read"
+        "--size",
+        type=values.count,
+        metavar="N",
+        help="rows of a lat-long or round picture, or of a cube's face (default: as fine as the input)",
+    )
+    command.add_argument(
+        "--border",
+        type=values.count,
+        default=0,
+        metavar="N",
+        help="texels around each face of a dual paraboloid that is written (default: 0)",
     )
     add_output(command, ".exr", ".hdr", ".pfm", ".tif")
 

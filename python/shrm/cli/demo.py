@@ -1,7 +1,7 @@
-"""Draw a row of spheres, from matt to mirror, and judge it by direct integration.
+"""Render a row of spheres, from diffuse to near-mirror, and compare it with direct integration.
 
-Leaves a folder with the pictures, their difference and the reflection maps, and prints a table:
-orders, predicted error, measured error and time for each material. Needs no file.
+Writes the pictures, their difference and the reflection maps to a folder, and prints orders, predicted error,
+measured error and time of each material. Needs no file.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from shrm.cli import values
 from shrm.cli.console import progress
-from shrm.cli.options import whole
 
 EXAMPLE = "shrm demo -o demo"
 
@@ -23,10 +23,10 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         type=Path,
         default=Path("demo"),
         metavar="DIR",
-        help="folder to write (default demo)",
+        help="folder to write (default: demo)",
     )
     command.add_argument(
-        "--size", type=whole, default=144, metavar="N", help="pixels across a sphere (default 144)"
+        "--size", type=values.count, default=144, metavar="N", help="pixels across a sphere (default: 144)"
     )
 
 

@@ -1,12 +1,11 @@
-"""Arguments that several commands take, and how their text is read."""
+"""Options that several commands have, and what they stand for: an environment, a material, a mesh."""
 
 from __future__ import annotations
 
 import argparse
-import math
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shrm.cli import values
 from shrm.cli.console import interrupts_afterwards
 
 if TYPE_CHECKING:
@@ -14,7 +13,11 @@ if TYPE_CHECKING:
     from shrm.environment import Environment
     from shrm.render import Mesh
 
-DAYLIGHT_AZIMUTH = 130.0  # the sun stands over the left shoulder of a camera that looks along +x
+    Arguments = argparse.ArgumentParser | argparse._ArgumentGroup
+    """What options are added to: a command, or one of its groups of options."""
+
+DAYLIGHT = "daylight"
+"""In place of an environment map's file: the analytic sky."""
 
 LAYOUTS = (
     "latlong",
@@ -29,199 +32,94 @@ LAYOUTS = (
     "dual-paraboloid",
     "octahedral",
 )
+"""The names in `shrm.environment.layouts`, repeated so that --help need not load it."""
+
+TECHNIQUES = ("kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral")
+"""Classes of maps beside "shrm", as `shrm.prefiltered.Technique` has them."""
+
+ENVIRONMENT = f"environment map (.hdr, .exr, .png, ...) or '{DAYLIGHT}'"
+
+MATERIAL = "material, such as ggx:0.3, microfacet:0.2 or merl-sgd:brass, or a file of measurements"
+
+# ---- Environments
 
 
-def add_environment(
-    command: argparse.ArgumentParser,
-    *,
-    flag: bool = False,
-    optional: bool = False,
-    layout_flags: tuple[str, ...],
-    or_else: str = "",
-) -> None:
-    """Add the environment, as an argument of its own or as --env, and how it is read.
+def add_environment(arguments: Arguments, *, required: bool = True, alternatives: str = "") -> None:
+    """Add the environment as a positional argument, and how its file is read.
 
-    `or_else` says what else that argument may be.
+    `alternatives` says what else may stand in its place.
     """
-    what = f"environment map (.hdr, .exr, .png, ...), or 'daylight'{or_else}"
-    if flag:
-        command.add_argument("--env", metavar="ENV", default="daylight", help=f"{what} (default)")
-    else:
-        command.add_argument("env", metavar="ENV", nargs="?" if optional else None, help=what)
-    command.add_argument(
-        *layout_flags,
-        dest="env_layout",
-        choices=LAYOUTS,
-        metavar="L",
-        help=f"layout of the file, if it is not the one recognised: {', '.join(LAYOUTS)}",
+    arguments.add_argument(
+        "env", metavar="ENV", nargs=None if required else "?", help=f"{ENVIRONMENT}{alternatives}"
     )
-    command.add_argument(
-        "--repair", action="store_true", help="replace texels that are not finite by neighbours"
+    add_environment_reading(arguments)
+
+
+def add_environment_option(arguments: Arguments) -> None:
+    """Add the environment as --env, and how its file is read."""
+    arguments.add_argument(
+        "--env", metavar="ENV", default=DAYLIGHT, help=f"{ENVIRONMENT} (default: {DAYLIGHT})"
+    )
+    add_environment_reading(arguments)
+
+
+def add_environment_reading(arguments: Arguments) -> None:
+    """Add --env-layout and --repair."""
+    arguments.add_argument(
+        "--env-layout",
+        choices=LAYOUTS,
+        metavar="LAYOUT",
+        help="layout of the environment map's file (default: recognized from metadata and aspect ratio): "
+        + ", ".join(LAYOUTS),
+    )
+    arguments.add_argument(
+        "--repair",
+        action="store_true",
+        help="replace texels that are NaN or infinite by their neighbors instead of refusing the file",
     )
 
 
 def read_environment(options: argparse.Namespace) -> Environment:
-    """Read what `add_environment` asked for."""
+    """Read the environment that the options name."""
     from shrm.environment import Environment
+    from shrm.render.row import SUN_AZIMUTH
 
-    if options.env == "daylight":
-        return Environment.daylight(sun_azimuth=DAYLIGHT_AZIMUTH)
+    if options.env == DAYLIGHT:
+        return Environment.daylight(sun_azimuth=SUN_AZIMUTH)
     border = getattr(options, "env_border", 0)
     return Environment.read(options.env, layout=options.env_layout, repair=options.repair, border=border)
 
 
-def read_mesh(options: argparse.Namespace) -> Mesh:
-    """Read --mesh, or MESH, with the tangents of `add_tangents`."""
-    from shrm.render import Mesh
-
-    with interrupts_afterwards():  # trimesh goes on without whatever part of it was being imported
-        mesh = Mesh.read(options.mesh, up=options.up)
-    return mesh.with_tangents(options.tangents)
+# ---- Materials
 
 
-def add_orders(command: argparse.ArgumentParser, default: float = 0.05) -> None:
-    """Add --tolerance, by default `default`, or --orders."""
-    either = command.add_mutually_exclusive_group()
-    either.add_argument(
-        "--tolerance",
-        type=tolerance,
-        default=default,
-        metavar="T",
-        help=f"relative RMS error of the reflected light that chooses the orders (default {default:g})",
-    )
-    either.add_argument("--orders", type=orders, metavar="F,P", help="the orders themselves, such as 30,4")
-
-
-def add_residual(command: argparse.ArgumentParser) -> None:
-    """Add --residual."""
-    command.add_argument(
-        "--residual",
-        choices=("auto",),
-        help="auto: what the orders cannot hold of a sharp lobe is split off, and integrated or looked up"
-        " (default: no)",
-    )
-
-
-TANGENTS = {
-    "axis": "around the vertical",
-    "uv": "along u of the mesh's texture coordinates",
-    "principal": "along its larger curvature",
-}
-
-
-TECHNIQUES = ("kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral")
-"""Those of `shrm.prefiltered`."""
-
-
-def add_tangents(command: argparse.ArgumentParser, default: str | None) -> None:
-    """Add --tangents."""
-    command.add_argument(
-        "--tangents",
-        choices=tuple(TANGENTS),
-        default=default,
-        help="how tangents run on a mesh, for materials that have a direction: "
-        + ", ".join(f"{name}: {what}" for name, what in TANGENTS.items())
-        + " (default axis)",
-    )
-
-
-VIEWERS = {
-    "near": "each pixel has its own view vector",
-    "distant": "one view vector for the whole picture",
-}
-
-
-def add_viewer(command: argparse.ArgumentParser, default: str) -> None:
-    """Add --near and --distant, one of which is the default."""
-    either = command.add_mutually_exclusive_group()
-    for name, what in VIEWERS.items():
-        either.add_argument(
-            f"--{name}",
-            dest="viewer",
-            action="store_const",
-            const=name,
-            default=default,
-            help=f"{what} (default)" if name == default else what,
-        )
-
-
-VARIANTS = ("unshadowed", "shadowed", "interreflected")
-"""Those of `shrm.transfer`."""
-
-
-def add_transfer(command: argparse.ArgumentParser, *, row: bool = False) -> None:
-    """Add what is used of an object with transfer; in a row it may be several variants."""
-    add = command.add_argument
-    add(
-        "--variant",
-        choices=VARIANTS,
-        action="append" if row else "store",
-        help="of an object with transfer: without shadows, with them, or with light between its parts too"
-        f" (default: the most complete that it has){'; repeat for a row of them' if row else ''}",
-    )
-    add("--components", type=whole, metavar="K", help="components of its transfer to use (default: all)")
-    add("--tents", type=tents, metavar="M", help="tents to a side, in place of more (default: all)")
-    add(
-        "--window",
-        choices=("hann", "lanczos"),
-        help="damp the high degrees of its light against ringing (default: no)",
-    )
-
-
-def of_transfer(options: argparse.Namespace) -> str | None:
-    """Return the first option given that is for objects with transfer alone."""
-    names = ("variant", "components", "tents", "window", "light_turn")
-    return next((flag(name) for name in names if getattr(options, name, None) is not None), None)
-
-
-def flag(name: str) -> str:
-    """Return an option's name on the command line."""
-    return f"--{name.replace('_', '-')}"
-
-
-def add_output(command: argparse.ArgumentParser, *suffixes: str) -> None:
-    """Add --output, whose name ends in one of the suffixes."""
-    known = " or ".join([", ".join(suffixes[:-1]), suffixes[-1]] if len(suffixes) > 1 else suffixes)
-
-    def file(text: str) -> Path:
-        if Path(text).suffix.lower() not in suffixes:
-            raise argparse.ArgumentTypeError(f"{text!r}, but it needs a name that ends in {known}")
-        return Path(text)
-
-    command.add_argument("-o", "--output", type=file, required=True, metavar="FILE", help=f"{known} to write")
-
-
-MATERIAL = "a material, such as microfacet:0.2 or merl-sgd:brass, or a file of measurements"
-"""What --brdf takes."""
-
-
-def add_extrapolate(command: argparse.ArgumentParser) -> None:
+def add_extrapolate(arguments: Arguments) -> None:
     """Add --extrapolate."""
-    command.add_argument(
+    arguments.add_argument(
         "--extrapolate",
         choices=("nearest", "zero"),
         default="nearest",
-        help="what files of measurements have at grazing angles, and wherever they have no data: the nearest"
-        " value (default), or nothing",
+        help="values of measured materials where their file has none, such as at grazing angles:"
+        " those of the nearest measurement (default), or zero",
     )
 
 
 def material_text(options: argparse.Namespace, text: str) -> str:
-    """Return a material's text, its files of measurements filled as the options say."""
+    """Return a material's text with the extrapolation of the options."""
     from shrm import brdf
 
     return text if options.extrapolate == "nearest" else brdf.filled(text, options.extrapolate)
 
 
 def parse_brdf(text: str) -> BRDF:
-    """Read a material's text; a wrong one is a fault of the command line.
+    """Return the material that a text describes.
 
     Raises
     ------
     argparse.ArgumentError
-        If the text does not describe a material.
+        If it describes none.
     MeasurementError
-        If it names a file of measurements that is none, or damaged.
+        If it names a file that does not hold measurements, or is damaged.
     """
     from shrm import brdf
 
@@ -233,80 +131,154 @@ def parse_brdf(text: str) -> BRDF:
         raise argparse.ArgumentError(None, f"argument --brdf: {fault}") from None
 
 
-def tolerance(text: str) -> float:
-    """0 < T < 1."""
-    return _between(text, 0.0, 1.0, "a number between 0 and 1")
+# ---- Prefiltering
 
 
-def degrees(text: str) -> float:
-    """An opening angle, 0 < angle < 180."""
-    return _between(text, 0.0, 180.0, "an angle between 0 and 180 degrees")
+def add_orders(arguments: Arguments, default: str) -> None:
+    """Add --tolerance, whose default is described, or else --orders."""
+    either = arguments.add_mutually_exclusive_group()
+    either.add_argument(
+        "--tolerance",
+        type=values.tolerance,
+        metavar="T",
+        help=f"error that is accepted: relative RMS of the reflected radiance (default: {default})",
+    )
+    either.add_argument(
+        "--orders",
+        type=values.orders,
+        metavar="F,P",
+        help="orders of the light and of the view, in place of a tolerance, such as 30,4",
+    )
 
 
-def _between(text: str, low: float, high: float, needs: str) -> float:
-    value = _number(text, needs)
-    if not low < value < high:
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs {needs}")
-    return value
+def add_max_orders(arguments: Arguments) -> None:
+    """Add --max-orders."""
+    arguments.add_argument(
+        "--max-orders",
+        type=values.orders,
+        metavar="F,P",
+        help="largest orders that a tolerance may lead to (default: 120,8)",
+    )
 
 
-def positive(text: str) -> float:
-    """A finite number above 0."""
-    return _between(text, 0.0, math.inf, "a number above 0")
+def largest_orders(options: argparse.Namespace) -> tuple[int, int]:
+    """Return the largest orders F, P that a tolerance may lead to."""
+    from shrm.frequency.orders import F_MAX, P_MAX
+
+    F, P = options.max_orders or (F_MAX, P_MAX)
+    return F, P
 
 
-def number(text: str) -> float:
-    """A finite number."""
-    return _number(text, "a number")
+def add_residual(arguments: Arguments) -> None:
+    """Add --residual."""
+    arguments.add_argument(
+        "--residual",
+        choices=("auto",),
+        help="auto: split off the peak of lobes that are too sharp for the orders, and integrate it instead"
+        " (default: off)",
+    )
 
 
-def _number(text: str, needs: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs {needs}")
-    return value
+# ---- Meshes
 
 
-def whole(text: str, least: int = 1) -> int:
-    """A whole number of at least 1, or so many."""
-    if not (text.isascii() and text.isdigit()) or int(text) < least:
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs a whole number of at least {least}")
-    return int(text)
+TANGENTS = {
+    "axis": "around the vertical",
+    "uv": "along u of the texture coordinates",
+    "principal": "along the larger curvature",
+}
 
 
-def tents(text: str) -> int:
-    """Tents to a side."""
-    return whole(text, 2)
+def add_up(arguments: Arguments, default: str | None = "y") -> None:
+    """Add --up."""
+    arguments.add_argument(
+        "--up", choices=("y", "z"), default=default, help="upward axis of the mesh's file (default: y)"
+    )
 
 
-def orders(text: str) -> tuple[int, int]:
-    """Read F,P."""
-    parts = text.split(",")
-    if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
-        raise argparse.ArgumentTypeError(
-            f"{text!r}, but it needs F,P: two whole numbers from 0, such as 30,4"
+def add_tangents(arguments: Arguments, default: str | None = "axis") -> None:
+    """Add --tangents."""
+    arguments.add_argument(
+        "--tangents",
+        choices=tuple(TANGENTS),
+        default=default,
+        help="direction of the mesh's tangents, for materials that depend on it: "
+        + ", ".join(f"{meaning} ({name})" for name, meaning in TANGENTS.items())
+        + " (default: axis)",
+    )
+
+
+def read_mesh(options: argparse.Namespace) -> Mesh:
+    """Read the mesh that the options name, with its tangents."""
+    from shrm.render import Mesh
+
+    with interrupts_afterwards():  # trimesh swallows an interrupt while it imports its parts
+        mesh = Mesh.read(options.mesh, up=options.up)
+    return mesh.with_tangents(options.tangents)
+
+
+# ---- Objects with transfer
+
+
+VARIANTS = ("unshadowed", "shadowed", "interreflected")
+"""The names of `shrm.transfer`."""
+
+
+def add_transfer_choice(arguments: Arguments, *, row: bool = False) -> None:
+    """Add which part of an object's transfer is used; in a row there may be several variants."""
+    arguments.add_argument(
+        "--variant",
+        choices=VARIANTS,
+        action="append" if row else "store",
+        help="transfer without shadows, with shadows, or with interreflection (default: the most complete in"
+        f" the file){'; repeat for a row of objects' if row else ''}",
+    )
+    arguments.add_argument(
+        "--components", type=values.count, metavar="K", help="principal components to use (default: all)"
+    )
+    arguments.add_argument(
+        "--tents",
+        type=values.tents,
+        metavar="M",
+        help="resolution of the outgoing light, M x M tents (default: that of the file)",
+    )
+    arguments.add_argument(
+        "--window",
+        choices=("hann", "lanczos"),
+        help="attenuate the high degrees of the light against ringing (default: off)",
+    )
+
+
+# ---- Pictures
+
+
+VIEWERS = {
+    "near": "one view vector for each pixel",
+    "distant": "one view vector for the whole picture",
+}
+
+
+def add_viewer(arguments: Arguments, default: str) -> None:
+    """Add --near and --distant, one of which is the default."""
+    either = arguments.add_mutually_exclusive_group()
+    for name, meaning in VIEWERS.items():
+        either.add_argument(
+            f"--{name}",
+            dest="viewer",
+            action="store_const",
+            const=name,
+            default=default,
+            help=f"{meaning} (default)" if name == default else meaning,
         )
-    return int(parts[0]), int(parts[1])
 
 
-def extent(text: str) -> tuple[int, int]:
-    """Read WxH."""
-    parts = text.lower().split("x")
-    if len(parts) != 2:
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs WxH, such as 1280x720")
-    return whole(parts[0]), whole(parts[1])
-
-
-def view(text: str) -> tuple[float, float]:
-    """Read AZIMUTH,ELEVATION."""
-    needs = "AZIMUTH,ELEVATION in degrees, the elevation from -90 to 90, such as 30,10"
-    parts = text.split(",")
-    if len(parts) != 2:
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs {needs}")
-    azimuth, elevation = (_number(part, needs) for part in parts)
-    if abs(elevation) > 90.0:
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs {needs}")
-    return azimuth, elevation
+def add_output(arguments: Arguments, *suffixes: str) -> None:
+    """Add --output, whose name ends in one of the suffixes."""
+    arguments.add_argument(
+        "-o",
+        "--output",
+        type=values.file_name(*suffixes),
+        required=True,
+        metavar="FILE",
+        help=f"file to write, {values.alternatives(suffixes)}",
+    )

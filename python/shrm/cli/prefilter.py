@@ -1,7 +1,7 @@
-"""Prefilter an environment with a material: make a spherical harmonic reflection map.
+"""Prefilter an environment map with a material: compute a spherical harmonic reflection map.
 
-The orders F and P are chosen so that the reflected light is within the tolerance, or given. With --technique
-the prefiltered maps of an earlier technique are made instead, by integration in a pyramid.
+The orders F and P are chosen so that the error of the reflected light stays within the tolerance, or given.
+With --technique the maps of an earlier technique are computed instead, by integration in a pyramid.
 """
 
 from __future__ import annotations
@@ -10,146 +10,163 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
+from shrm.cli import values
+from shrm.cli.compatibility import Rule, given, require_compatible
 from shrm.cli.console import progress
 from shrm.cli.options import (
     MATERIAL,
     TECHNIQUES,
     add_environment,
     add_extrapolate,
+    add_max_orders,
     add_orders,
     add_output,
     add_residual,
+    largest_orders,
     material_text,
-    orders,
     parse_brdf,
     read_environment,
-    whole,
 )
 
 if TYPE_CHECKING:
     from shrm.brdf import BRDF
+    from shrm.cli.options import Arguments
     from shrm.environment import Environment
+    from shrm.frequency.reflection_map import ReflectionMap
+    from shrm.prefiltered import Prefiltered
 
 EXAMPLE = "shrm prefilter grace.hdr --brdf ggx:alpha=0.2,f0=0.04 --tolerance 0.02 -o grace-ggx.exr"
+
+TOLERANCE = 0.05
+"""Relative RMS of the reflected radiance, unless --tolerance is given."""
+
+RULES = {
+    "--max-orders": Rule(excludes=("--orders",)),
+    "--residual": Rule(excludes=("--criterion", "--window")),
+    "--technique": Rule(
+        excludes=("--orders", "--max-orders", "--criterion", "--window", "--clamp", "--residual")
+    ),
+}
+"""Which options go together."""
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    add_environment(command, layout_flags=("--env-layout",))
-    command.add_argument("--brdf", required=True, metavar="B", help=MATERIAL)
+    add_environment(command)
+    command.add_argument("--brdf", required=True, metavar="BRDF", help=MATERIAL)
     add_extrapolate(command)
-    add_orders(command)
-    add_residual(command)
-    command.add_argument("--size", type=whole, metavar="N", help="rows of the map (default: from the orders)")
-    command.add_argument(
-        "--layout", choices=("latlong", "cube"), default="latlong", help="layout of the map (default latlong)"
-    )
-    command.add_argument(
-        "--center",
-        choices=("lobe", "reflection", "normal"),
-        help="direction that lobes are expanded about: the lobe's mean, the reflected view (as in the paper),"
-        " or the normal (default: what suits the material; lobes symmetric about their own center keep it)",
-    )
-    command.add_argument(
+    _add_accuracy(command.add_argument_group("accuracy"))
+    _add_maps(command.add_argument_group("maps"))
+
+
+def _add_accuracy(group: Arguments) -> None:
+    add_orders(group, default=f"{TOLERANCE:g}")
+    add_max_orders(group)
+    group.add_argument(
         "--criterion",
         choices=("light", "brdf", "minimum", "bound"),
         default="light",
-        help="what the tolerance measures: the reflected light (default), the energy of the material that"
-        " the orders leave out, the smaller of that and the energy of the environment, or an upper bound",
+        help="what the tolerance limits: the error of the reflected light (light, default), the share of the"
+        " material's energy beyond the orders (brdf), the smaller of this and of that of the environment"
+        " (minimum), or an upper bound of the error (bound)",
     )
-    command.add_argument(
-        "--max-orders",
-        type=orders,
-        metavar="F,P",
-        help="the largest orders that the tolerance may take, such as 60,8",
-    )
-    command.add_argument(
-        "--window", choices=("hann", "lanczos"), help="damp the high degrees against ringing (default: no)"
-    )
-    command.add_argument("--clamp", action="store_true", help="mark the map: negative light reads as zero")
-    command.add_argument(
+    add_residual(group)
+
+
+def _add_maps(group: Arguments) -> None:
+    group.add_argument(
         "--technique",
-        choices=TECHNIQUES,
-        metavar="T",
-        help=f"make explicit maps by an earlier technique: {', '.join(TECHNIQUES)} (lobes of one shape, and"
-        " those about the tangent, are exact)",
+        choices=("shrm", *TECHNIQUES),
+        default="shrm",
+        metavar="TECHNIQUE",
+        help="class of maps: spherical harmonic reflection maps (shrm, default), or an earlier approximation:"
+        f" {', '.join(TECHNIQUES)} (exact for lobes of one shape and lobes about the tangent)",
     )
-    add_output(command, ".exr")
+    group.add_argument(
+        "--layout",
+        choices=("latlong", "cube", "strip"),
+        default="latlong",
+        help="layout of the maps: lat-long (default), or a cube (strip is the same)",
+    )
+    group.add_argument(
+        "--size",
+        type=values.count,
+        metavar="N",
+        help="rows of a lat-long map, or of a cube's face (default: from the orders)",
+    )
+    group.add_argument(
+        "--center",
+        choices=("lobe", "reflection", "normal"),
+        help="direction that lobes are expanded about: the mean of the lobe, the reflected view as in"
+        " [RH02], or the normal (default: the best for each lobe; lobes that are symmetric about a direction"
+        " keep it)",
+    )
+    group.add_argument(
+        "--window",
+        choices=("hann", "lanczos"),
+        help="attenuate high degrees against ringing (default: off)",
+    )
+    group.add_argument("--clamp", action="store_true", help="clamp negative radiance to zero when it is read")
+    add_output(group, ".exr")
 
 
 def run(options: argparse.Namespace) -> None:
     """Read, prefilter, save."""
-    from shrm.frequency.orders import F_MAX, P_MAX
-    from shrm.frequency.prefilter import prefilter
-
-    if options.max_orders is not None and options.orders is not None:
-        raise argparse.ArgumentError(None, "argument --max-orders: not allowed with argument --orders")
-    if options.residual is not None and (options.criterion != "light" or options.window is not None):
-        raise argparse.ArgumentError(None, "argument --residual: is for --criterion light without a --window")
+    require_compatible(given(options), RULES)
+    options.layout = "cube" if options.layout == "strip" else options.layout
     brdf = parse_brdf(material_text(options, options.brdf))
-    F_max, P_max = options.max_orders or (F_MAX, P_MAX)
     with progress("Reading the environment"):
         env = read_environment(options)
-    if options.technique is not None:
-        _explicit(options, env, brdf)
-        return
     start = time.perf_counter()
     with progress(f"Prefiltering with {brdf.name}"):
-        rm = prefilter(
-            env,
-            brdf,
-            tolerance=options.tolerance,
-            orders=options.orders,
-            size=options.size,
-            layout=options.layout,
-            criterion=options.criterion,
-            center=options.center,
-            F_max=F_max,
-            P_max=P_max,
-            window=options.window,
-            clamp=options.clamp,
-            residual=options.residual,
-        )
+        prefilter = _reflection_map if options.technique == "shrm" else _earlier_maps
+        maps = prefilter(options, env, brdf)
         seconds = time.perf_counter() - start
-        rm.save(options.output)
-    kept = "" if rm.residual is None else " and a residual"
-    print(
-        f"{options.output}: {brdf.name}, F = {rm.F}, P = {rm.P}{kept}, predicted error {rm.error:.2%},"
-        f" {1e3 * seconds:.0f} ms"
+        maps.save(options.output)
+    print(f"{options.output}: {brdf.name}, {_summary(maps)}, {1e3 * seconds:.0f} ms")
+
+
+def _reflection_map(options: argparse.Namespace, env: Environment, brdf: BRDF) -> ReflectionMap:
+    """Prefilter in frequency space."""
+    from shrm.frequency.prefilter import prefilter
+
+    F_max, P_max = largest_orders(options)
+    return prefilter(
+        env,
+        brdf,
+        tolerance=options.tolerance or TOLERANCE,
+        orders=options.orders,
+        size=options.size,
+        layout=options.layout,
+        criterion=options.criterion,
+        center=options.center,
+        F_max=F_max,
+        P_max=P_max,
+        window=options.window,
+        clamp=options.clamp,
+        residual=options.residual,
     )
 
 
-def _explicit(options: argparse.Namespace, env: Environment, brdf: BRDF) -> None:
-    """Prefilter by an earlier technique, save."""
+def _earlier_maps(options: argparse.Namespace, env: Environment, brdf: BRDF) -> Prefiltered:
+    """Prefilter by an earlier technique."""
     from shrm.prefiltered import prefilter
 
-    given = [name for name, usual in SHRM_ONLY.items() if getattr(options, name) != usual]
-    if given:
-        flag = f"--{given[0].replace('_', '-')}"
-        raise argparse.ArgumentError(None, f"argument --technique: not allowed with argument {flag}")
-    material = brdf if options.center is None else brdf.recentered(options.center)
-    start = time.perf_counter()
-    with progress(f"Prefiltering with {brdf.name}"):
-        found = prefilter(
-            env,
-            material,
-            options.technique,
-            error=options.tolerance,
-            size=options.size,
-            layout=options.layout,
-        )
-        seconds = time.perf_counter() - start
-        found.save(options.output)
-    maps = " + ".join(f"{type(one).__name__} {one.keeps}" for one in found.lobes)
-    print(f"{options.output}: {brdf.name}, {maps}, {1e3 * seconds:.0f} ms")
+    return prefilter(
+        env,
+        brdf if options.center is None else brdf.recentered(options.center),
+        options.technique,
+        error=options.tolerance or TOLERANCE,
+        size=options.size,
+        layout=options.layout,
+    )
 
 
-SHRM_ONLY = {
-    "orders": None,
-    "max_orders": None,
-    "window": None,
-    "clamp": False,
-    "criterion": "light",
-    "residual": None,
-}
-"""Arguments that go with frequency space alone, and what they are if they are not given."""
+def _summary(maps: ReflectionMap | Prefiltered) -> str:
+    """Describe maps in a few words."""
+    from shrm.frequency.reflection_map import ReflectionMap
+
+    if isinstance(maps, ReflectionMap):
+        residual = "" if maps.residual is None else " and a residual"
+        return f"F = {maps.F}, P = {maps.P}{residual}, predicted error {maps.error:.2%}"
+    return " + ".join(f"{type(lobe).__name__} {lobe.keeps}" for lobe in maps.lobes)

@@ -1,7 +1,7 @@
-"""Make the tables and figures of the paper again, its own figures beside ours.
+"""Reproduce the tables and figures of the papers, with the papers' own numbers beside ours.
 
-Writes NAME.csv, NAME.md and NAME.png for each, and index.md, which joins them. Needs no file; rh02-figure-1
-and the measured materials of rh02-figure-8 need a folder of them.
+Writes NAME.csv, NAME.md and NAME.png for each, and index.md, which lists them. Needs no file, except that
+rh02-figure-1 and the measured materials of rh02-figure-8 need --data.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ import errno
 import time
 from pathlib import Path
 
+from shrm.cli import values
 from shrm.cli.console import progress
-from shrm.cli.options import add_environment, read_environment
+from shrm.cli.options import add_environment_option, read_environment
 
 EXAMPLE = "shrm reproduce rh02-table-4 rh02-figure-6 --env grace.hdr -o reproduced"
 
@@ -25,33 +26,32 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
     def name(text: str) -> str:
         if text not in names():
-            raise argparse.ArgumentTypeError(f"{text!r}, but it needs one of {known}")
+            raise values.refusal(text, f"one of {known}")
         return text
 
     command.add_argument("names", nargs="*", type=name, metavar="NAME", help=f"{known} (default: all)")
-    add_environment(command, flag=True, layout_flags=("--env-layout",))
+    add_environment_option(command)
     command.add_argument(
         "--data",
         type=Path,
         metavar="DIR",
-        help="folder with files of measured materials in brdf/ for rh02-figure-8, and for rh02-figure-1, "
-        "told by their "
-        "names: krylon, golden_yellow there, grace, stpeters, uffizi, rnl in env/, armadillo in mesh/",
+        help="folder of data: measured materials in brdf/ for rh02-figure-8; for rh02-figure-1 krylon and"
+        " golden_yellow there, grace, stpeters, uffizi and rnl in env/, armadillo in mesh/",
     )
     command.add_argument(
         "--fits",
         type=Path,
         metavar="DIR",
-        help="folder with published fits to measured materials, in place of those that come with shrm",
+        help="folder of published fits to measured materials, in place of those that come with shrm",
     )
     command.add_argument(
         "--mesh",
         type=Path,
         metavar="FILE",
-        help="mesh for rh02-figure-1, for kvhs00-figure-6, such as a teapot, and for the results of lk03-",
+        help="mesh for rh02-figure-1, for kvhs00-figure-6, such as a teapot, and for all of lk03",
     )
     command.add_argument(
-        "--quick", action="store_true", help="fewer rows and samples: to see that everything runs"
+        "--quick", action="store_true", help="fewer rows and samples, to check that everything runs"
     )
     command.add_argument(
         "-o",
@@ -59,7 +59,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         type=Path,
         default=Path("reproduced"),
         metavar="DIR",
-        help="folder to write (default reproduced)",
+        help="folder to write (default: reproduced)",
     )
 
 

@@ -16,22 +16,28 @@ if TYPE_CHECKING:
     from shrm.viewer import Renderer
 
 GPU_MAP_SIZE = 128
-"""Edge of a face: look-ups on the GPU are bilinear, and want finer maps than cubic ones."""
+"""Edge of a cube map's face in texels: bilinear look-ups, as the GPU's, need finer maps than cubic ones."""
+
+
+DIAMETER = 320
+"""Pixels across an object, unless --size is given."""
 
 
 class Stage(ABC):
-    """Light and camera for a row of objects, as the options have them.
+    """Light and camera for a row of objects, as the options of `shrm render` have them.
 
     Attributes
     ----------
+    options : argparse.Namespace
     env : Environment
-        Not turned.
+        The light before it is turned.
     texture : (H, W, 3) float32 or None
+        Multiplies the reflected light.
     width, height : int
-        Of the pictures.
+        Pixels of the pictures.
     camera : Camera
-        Not turned.
-    centers : list of points
+        The camera before it is turned.
+    centers : list of 3 floats
         Where the objects stand.
     """
 
@@ -42,7 +48,7 @@ class Stage(ABC):
         self.options = options
         self.env = read_environment(options)
         self.texture = None if options.texture is None else image_io.read_image(options.texture).pixels
-        extent: tuple[int, int] = options.size or row_picture(count, diameter=320)
+        extent: tuple[int, int] = options.size or row_picture(count, diameter=DIAMETER)
         self.width, self.height = extent
         azimuth, elevation = options.view
         camera, self.centers = row_camera(count, self.width / self.height, azimuth, elevation, options.fov)
@@ -53,7 +59,10 @@ class Stage(ABC):
         """Return the objects under light that is turned by a rotation (3, 3)."""
 
     def draw(self, degrees: float, report: Callable[[float], None] | None) -> Picture:
-        """Draw with the light or the camera turned, as the turntable has it."""
+        """Draw with the light or the camera turned by an angle, as the turntable has it.
+
+        `report`, if given, is called with the share of the picture that is drawn, 0 to 1.
+        """
         from shrm.render import about_vertical, render, turned_camera
 
         options, camera, turn = self.options, self.camera, self.options.light_turn or 0.0
@@ -83,6 +92,7 @@ class Stage(ABC):
 
     @cached_property
     def _renderer(self) -> Renderer:
+        """The renderer on the GPU, made when the first picture is drawn."""
         from shrm.viewer import Renderer
 
         return Renderer((self.width, self.height), samples=self.options.samples, map_size=GPU_MAP_SIZE)

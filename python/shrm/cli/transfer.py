@@ -1,7 +1,7 @@
 """Precompute how an object shadows and lights itself, for any light around it.
 
-The mesh and its material become one file, for `shrm render` and `shrm view`. What takes long is kept in
-FILE.work until it is finished: the same command goes on where it was stopped.
+Mesh and material become one file for `shrm render` and `shrm view`. Finished stages are kept in FILE.work
+until the file is written: the same command continues where it was interrupted.
 """
 
 from __future__ import annotations
@@ -9,105 +9,185 @@ from __future__ import annotations
 import argparse
 import errno
 import os
+import pathlib
 import time
 from typing import TYPE_CHECKING
 
-from shrm.arrays import FloatArray
+from shrm.cli import values
+from shrm.cli.compatibility import Rule, given, require_compatible
 from shrm.cli.console import stages
 from shrm.cli.options import (
+    MATERIAL,
     add_extrapolate,
     add_output,
     add_tangents,
+    add_up,
     material_text,
-    number,
     parse_brdf,
     read_mesh,
-    whole,
 )
 
 if TYPE_CHECKING:
+    from shrm.arrays import FloatArray
+    from shrm.brdf import BRDF
+    from shrm.cli.options import Arguments
     from shrm.render import Mesh
-    from shrm.transfer import Path as Way
-    from shrm.transfer import RadianceTransfer
+    from shrm.transfer import Path, RadianceTransfer
 
 EXAMPLE = "shrm transfer armadillo.obj --brdf ashikhmin-shirley:nu=40,nv=10 -o armadillo.shrt"
+
+RULES = {
+    "--bounces": Rule(excludes=("--no-shadows",)),
+    "--albedo": Rule(needs=("--bounces",)),
+}
+"""Which options go together."""
+
+# ---- Options
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    add = command.add_argument
-    add("mesh", metavar="MESH", help="OBJ, PLY, STL, OFF or glTF")
-    add("--up", choices=("y", "z"), default="y", help="the mesh's upward axis (default y)")
-    add(
-        "--brdf",
-        action="append",
-        required=True,
-        metavar="B",
-        help="material, such as ashikhmin-shirley:nu=40,nv=10, or a file of measurements; twice with --mask",
-    )
-    add_extrapolate(command)
-    add(
-        "--mask",
-        metavar="FILE",
-        help="picture over the mesh's texture coordinates: white has the second --brdf",
-    )
-    add_tangents(command, default="axis")
-    add("--order", type=whole, default=5, metavar="N", help="of the light: degrees 0 to N - 1 (default 5)")
-    add("--directions", type=whole, default=4096, metavar="D", help="rays over a sphere (default 4096)")
-    add(
-        "--bounces",
-        type=whole,
-        metavar="B",
-        help="diffuse reflections between its parts (default: none)",
-    )
-    add("--albedo", type=number, metavar="A", help="of these bounces, 0 to 1 (default: the material's)")
-    add("--no-shadows", action="store_true", help="light reaches every vertex")
-    add(
-        "--accuracy",
-        type=number,
-        default=24.0,
-        metavar="DB",
-        help="relative SNR of outgoing radiance in dB that tents, and again components, keep (default 24)",
-    )
-    add("--tents", type=whole, metavar="M", help="M x M tents in all (default: from the accuracy)")
-    add(
-        "--path",
-        type=path,
-        metavar="P",
-        help="expansions between rays and tents: direct, S (inner order), S,M (and order of the view) or"
-        " published (default: from the accuracy)",
-    )
-    add("--components", type=whole, metavar="K", help="principal components (default: from the accuracy)")
-    add(
-        "--clusters",
-        type=whole,
-        metavar="Q",
-        help="of vertices, with K components each (default 1; K then 3)",
-    )
-    add("--uncompressed", action="store_true", help="keep the matrices as well")
+    command.add_argument("mesh", metavar="MESH", help="mesh: OBJ, PLY, STL, OFF, glTF")
+    add_up(command)
+    add_tangents(command)
+    _add_materials(command.add_argument_group("materials"))
+    _add_light(command.add_argument_group("light"))
+    _add_compression(command.add_argument_group("compression"))
     add_output(command, ".shrt")
 
 
+def _add_materials(group: Arguments) -> None:
+    group.add_argument(
+        "--brdf",
+        action="append",
+        required=True,
+        metavar="BRDF",
+        help=f"{MATERIAL}; twice with --mask",
+    )
+    add_extrapolate(group)
+    group.add_argument(
+        "--mask",
+        metavar="FILE",
+        help="picture over the texture coordinates that blends two materials: the first --brdf where it is"
+        " black, the second where it is white",
+    )
+
+
+def _add_light(group: Arguments) -> None:
+    group.add_argument(
+        "--order",
+        type=values.count,
+        default=5,
+        metavar="N",
+        help="order of the light: degrees 0 to N - 1 (default: 5)",
+    )
+    group.add_argument(
+        "--directions",
+        type=values.count,
+        default=4096,
+        metavar="D",
+        help="rays over a sphere (default: 4096)",
+    )
+    group.add_argument(
+        "--bounces",
+        type=values.count,
+        metavar="B",
+        help="diffuse reflections between parts of the object (default: none)",
+    )
+    group.add_argument(
+        "--albedo",
+        type=values.number,
+        metavar="A",
+        help="albedo of these reflections, 0 to 1 (default: that of the material)",
+    )
+    group.add_argument("--no-shadows", action="store_true", help="let the light reach every vertex")
+
+
+def _add_compression(group: Arguments) -> None:
+    group.add_argument(
+        "--accuracy",
+        type=values.number,
+        default=24.0,
+        metavar="DB",
+        help="signal-to-noise ratio of outgoing radiance, in dB, that the tents keep, and the components of"
+        " them (default: 24)",
+    )
+    group.add_argument(
+        "--tents",
+        type=values.count,
+        metavar="M",
+        help="resolution of the outgoing light, M x M tents (default: from the accuracy)",
+    )
+    group.add_argument(
+        "--route",
+        type=route,
+        metavar="ROUTE",
+        help="expansions between rays and tents: direct, S (inner order), S,M (and order of the view) or"
+        " published (default: from the accuracy)",
+    )
+    group.add_argument(
+        "--components",
+        type=values.count,
+        metavar="K",
+        help="principal components of the matrices (default: from the accuracy)",
+    )
+    group.add_argument(
+        "--clusters",
+        type=values.count,
+        metavar="Q",
+        help="clusters of vertices, each with K components of its own (default: 1; K is 3 unless given)",
+    )
+    group.add_argument("--uncompressed", action="store_true", help="keep the matrices, too")
+
+
+def route(text: str) -> tuple[int, ...] | str:
+    """Read direct, published, S or S,M."""
+    parts = text.split(",")
+    if text in ("direct", "published"):
+        return text
+    if len(parts) > 2 or not all(part.isascii() and part.isdigit() and int(part) > 0 for part in parts):
+        raise values.refusal(text, "direct, published, S or S,M, such as 8,8")
+    return tuple(int(part) for part in parts)
+
+
+# ---- Work
+
+
 def run(options: argparse.Namespace) -> None:
-    """Read the mesh, compute, save."""
-    from shrm.transfer import precompute
+    """Read the mesh, precompute, save."""
     from shrm.transfer.precompute import remove_work
 
-    materials = [parse_brdf(material_text(options, text)) for text in options.brdf]
-    if (len(materials) == 2) != (options.mask is not None) or len(materials) > 2:
-        raise argparse.ArgumentError(None, "argument --mask: goes with two --brdf, and two --brdf with it")
-    if options.no_shadows and options.bounces is not None:
-        raise argparse.ArgumentError(None, "argument --bounces: not allowed with argument --no-shadows")
-    if options.albedo is not None and options.bounces is None:
-        raise argparse.ArgumentError(None, "argument --albedo: is that of --bounces, and needs them")
+    materials = _materials(options)
+    require_compatible(given(options), RULES)
     if options.output.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(options.output))
     work = options.output.with_name(options.output.name + ".work")
     start = time.perf_counter()
+    transfer = _precomputed(options, materials, work)
+    transfer.save(options.output)
+    remove_work(work)
+    print(f"{options.output}: {summary(transfer)}, {time.perf_counter() - start:.0f} s")
+
+
+def _materials(options: argparse.Namespace) -> list[BRDF]:
+    """Return the materials of the options: one, or two with a mask between them."""
+    materials = [parse_brdf(material_text(options, text)) for text in options.brdf]
+    if len(materials) != (1 if options.mask is None else 2):
+        needed = "once" if options.mask is None else "twice with argument --mask"
+        raise argparse.ArgumentError(
+            None, f"argument --brdf: must be given {needed}, got {len(materials)} (--mask blends two)"
+        )
+    return materials
+
+
+def _precomputed(options: argparse.Namespace, materials: list[BRDF], work: pathlib.Path) -> RadianceTransfer:
+    """Precompute the transfer; finished stages stay in the folder `work`."""
+    from shrm.transfer import precompute
+
     with stages() as progress:
         progress("reading the mesh", 0, 1)
         mesh = read_mesh(options)
-        made = precompute(
+        return precompute(
             mesh,
             materials if options.mask else materials[0],
             shares=_shares(options.mask, mesh) if options.mask else None,
@@ -119,35 +199,17 @@ def run(options: argparse.Namespace) -> None:
             albedo=options.albedo,
             accuracy=options.accuracy,
             M=options.tents,
-            path=_way(options.path, options.order),
+            path=_route(options.route, options.order),
             K=options.components,
             clusters=options.clusters,
             matrices=options.uncompressed,
             work=work,
             progress=progress,
         )
-        made.save(options.output)
-    remove_work(work)
-    print(f"{options.output}: {described(made)}, {time.perf_counter() - start:.0f} s")
-
-
-def described(made: RadianceTransfer) -> str:
-    """An object with transfer in one line."""
-    snr = made.report.get("SNR of matrices")
-    accuracy = "exact" if snr is None else f"{snr:.1f} dB"
-    variants = ", ".join(f"{name} {_kept(made, name)}" for name in made.variants)
-    return f"{len(made.vertices)} vertices, {made.material}, {made.M} x {made.M} tents {accuracy}; {variants}"
-
-
-def _kept(made: RadianceTransfer, name: str) -> str:
-    said = made.report.get("compression", {}).get(name, {})
-    if made.variants[name].weights is None:
-        return "uncompressed"
-    snr = said.get("SNR")
-    return f"K = {made.variants[name].K}" + ("" if snr is None else f" {snr:.1f} dB")
 
 
 def _variants(options: argparse.Namespace) -> list[str]:
+    """Return the names of the variants that are precomputed."""
     names = ["unshadowed"]
     if not options.no_shadows:
         names.append("shadowed")
@@ -157,7 +219,7 @@ def _variants(options: argparse.Namespace) -> list[str]:
 
 
 def _shares(mask: str, mesh: Mesh) -> FloatArray:
-    """The shares (V, 2) of two materials at the vertices, from the mean of a picture's channels."""
+    """Return the shares (V, 2) of two materials at the vertices, from the mean of a picture's channels."""
     import numpy as np
 
     from shrm import image_io
@@ -167,21 +229,31 @@ def _shares(mask: str, mesh: Mesh) -> FloatArray:
     return np.stack([1 - second, second], axis=1)
 
 
-def path(text: str) -> tuple[int, ...] | str:
-    """Read direct, published, S or S,M."""
-    parts = text.split(",")
-    if text in ("direct", "published"):
-        return text
-    if len(parts) > 2 or not all(part.isascii() and part.isdigit() and int(part) > 0 for part in parts):
-        raise argparse.ArgumentTypeError(f"{text!r}, but it needs direct, published, S or S,M, such as 8,8")
-    return tuple(int(part) for part in parts)
-
-
-def _way(said: tuple[int, ...] | str | None, n: int) -> Way | None:
+def _route(orders: tuple[int, ...] | str | None, n: int) -> Path | None:
+    """Return the route that the text of --route names, for light of order n."""
     from shrm.transfer import Path, published
 
-    if said is None:
+    if orders is None:
         return None
-    if isinstance(said, str):
-        return published(n) if said == "published" else Path()
-    return Path(said[0], said[1] if len(said) > 1 else None)
+    if isinstance(orders, str):
+        return published(n) if orders == "published" else Path()
+    return Path(orders[0], orders[1] if len(orders) > 1 else None)
+
+
+def summary(transfer: RadianceTransfer) -> str:
+    """Describe an object with transfer in one line."""
+    snr = transfer.report.get("SNR of matrices")
+    accuracy = "exact" if snr is None else f"{snr:.1f} dB"
+    variants = ", ".join(f"{name} {_compression(transfer, name)}" for name in transfer.variants)
+    return (
+        f"{len(transfer.vertices)} vertices, {transfer.material},"
+        f" {transfer.M} x {transfer.M} tents {accuracy}; {variants}"
+    )
+
+
+def _compression(transfer: RadianceTransfer, name: str) -> str:
+    """Describe how a variant is compressed."""
+    if transfer.variants[name].weights is None:
+        return "uncompressed"
+    snr = transfer.report.get("compression", {}).get(name, {}).get("SNR")
+    return f"K = {transfer.variants[name].K}" + ("" if snr is None else f" {snr:.1f} dB")

@@ -1,36 +1,37 @@
-"""Look at spheres or a mesh in a window, and change light, material and view while looking.
+"""View spheres, a mesh or an object with transfer in a window, and change light, material and view.
 
-Every --brdf adds an object to a row. Drag with the left button to orbit, with the right one to turn
-the light; ? lists all keys. Pictures, meshes, objects with transfer and saved windows can be dropped
-on the window.
+Every --brdf adds an object to a row. Drag with the left button to orbit, with the right one to turn the
+light; ? lists all keys. Environment maps, meshes, objects with transfer and saved windows can be dropped on
+the window.
 
-An object whose transfer `shrm transfer` has precomputed, in place of the environment, shadows and
-lights itself under a light that turns; --env is its light then.
+With an object from `shrm transfer` in place of the environment, --env is its light.
 """
 
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from shrm.cli import values
+from shrm.cli.compatibility import TRANSFER_FILE, Rule, given, require_compatible
 from shrm.cli.options import (
+    DAYLIGHT,
+    ENVIRONMENT,
     MATERIAL,
-    add_environment,
+    TECHNIQUES,
+    add_environment_reading,
     add_extrapolate,
     add_orders,
     add_tangents,
-    add_transfer,
+    add_transfer_choice,
+    add_up,
     add_viewer,
-    extent,
-    flag,
     material_text,
-    number,
-    of_transfer,
     parse_brdf,
 )
-from shrm.cli.transferred import opened
 
 if TYPE_CHECKING:
+    from shrm.cli.options import Arguments
     from shrm.viewer.window.state import State
 
 EXAMPLE = (
@@ -38,44 +39,101 @@ EXAMPLE = (
     "    or    shrm view bunny.shrt --env grace.hdr"
 )
 
+FILTERS = ("two-pass", "exact")
+"""Names of `shrm.viewer.window.state.Filter`."""
+FILTERED = "kautz-mccool-2d"
+"""The technique whose maps the GPU can filter."""
+
+RULES = {
+    **dict.fromkeys(
+        ("--brdf", "--mesh", "--up", "--tangents", "--tolerance", "--orders", "--technique"),
+        Rule(excludes=(TRANSFER_FILE,)),
+    ),
+    **dict.fromkeys(("--variant", "--components", "--tents", "--window"), Rule(needs=(TRANSFER_FILE,))),
+    "--env": Rule(excludes=("ENV",)),
+    "--filter": Rule(
+        excludes=(
+            TRANSFER_FILE,
+            *(f"--technique {name}" for name in ("shrm", *TECHNIQUES) if name != FILTERED),
+        )
+    ),
+}
+"""Which options go together."""
+
+# ---- Options
+
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    add = command.add_argument
-    add_environment(
-        command, optional=True, layout_flags=("--layout",), or_else="; or an object with transfer (.shrt)"
+    command.add_argument(
+        "path", metavar="ENV", nargs="?", help=f"{ENVIRONMENT}; or an object with transfer ({TRANSFER_FILE})"
     )
-    add("--env", dest="light", metavar="ENV", help="environment map that lights an object with transfer")
-    add_transfer(command)
-    add(
+    light = command.add_argument_group("environment")
+    light.add_argument("--env", metavar="ENV", help="environment map that lights an object with transfer")
+    add_environment_reading(light)
+    _add_objects(command.add_argument_group("objects"))
+    _add_prefiltering(command.add_argument_group("prefiltering"))
+    add_transfer_choice(command.add_argument_group("objects with transfer"))
+    _add_window(command.add_argument_group("window"))
+
+
+def _add_objects(group: Arguments) -> None:
+    group.add_argument(
         "--brdf",
-        dest="materials",
         action="append",
-        metavar="B",
+        metavar="BRDF",
         help=f"{MATERIAL}; repeat for a row of objects (default: gold)",
     )
-    add_extrapolate(command)
-    add("--mesh", metavar="FILE", help="mesh to draw (default: a sphere)")
-    add("--up", choices=("y", "z"), help="the mesh file's upward axis (default y)")
-    add_tangents(command, default=None)
-    add_orders(command, default=0.06)
-    add_viewer(command, default="distant")
-    command.set_defaults(tolerance=None, viewer=None)  # what is not given is as in --state
-    add(
-        "--method",
-        choices=("shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral", "hardware"),
-        help="what the maps hold of the view: all that the orders do (default), round lobes, one round lobe,"
-        " a Phong lobe, 12 views; or one round lobe filtered by the GPU",
+    add_extrapolate(group)
+    group.add_argument(
+        "--mesh", metavar="FILE", help="mesh to draw: OBJ, PLY, STL, OFF, glTF (default: a sphere)"
     )
-    add("--exposure", type=number, metavar="STOPS", help="(default: from the picture)")
-    add(
+    add_up(group, default=None)
+    add_tangents(group, default=None)
+
+
+def _add_prefiltering(group: Arguments) -> None:
+    add_orders(group, default="0.06")
+    group.add_argument(
+        "--technique",
+        choices=("shrm", *TECHNIQUES),
+        metavar="TECHNIQUE",
+        help="class of maps: spherical harmonic reflection maps (shrm, default), or an earlier approximation:"
+        f" {', '.join(TECHNIQUES)}",
+    )
+    group.add_argument(
+        "--filter",
+        choices=FILTERS,
+        help=f"filter the maps of {FILTERED} on the GPU whenever the light changes: by two passes of a small"
+        " kernel (two-pass), or by a sum over many taps (exact)",
+    )
+
+
+def _add_window(group: Arguments) -> None:
+    add_viewer(group, default="distant")
+    group.set_defaults(viewer=None)  # what is not given is as in --state
+    group.add_argument(
+        "--exposure", type=values.number, metavar="STOPS", help="exposure (default: automatic)"
+    )
+    group.add_argument(
         "--background",
         action=argparse.BooleanOptionalAction,
         default=None,
-        help="show the environment (default)",
+        help="show the environment behind the objects (default)",
     )
-    add("--state", metavar="FILE", help="a saved window (.json) to go on from; Ctrl+S saves to it")
-    add("--size", type=extent, default=(1280, 900), metavar="WxH", help="of the window (default 1280x900)")
+    group.add_argument(
+        "--state", metavar="FILE", help="saved window (.json) to start from; Ctrl+S saves to the same file"
+    )
+    group.add_argument(
+        "--size",
+        type=values.extent,
+        default=(1280, 900),
+        metavar="WxH",
+        help="pixels of the window (default: 1280x900)",
+    )
+
+
+# ---- Work
 
 
 def run(options: argparse.Namespace) -> None:
@@ -83,8 +141,10 @@ def run(options: argparse.Namespace) -> None:
     from pathlib import Path
 
     first = state(options)
-    if first.transfer is not None:  # what is wrong with it is said without a window
-        opened(first.transfer, options, [options.variant])
+    if first.transfer is not None:  # a file that cannot be opened is refused before there is a window
+        from shrm.cli.transfer_stage import open_transfer
+
+        open_transfer(first.transfer, options, [options.variant])
     from shrm.viewer.window.app import Application
 
     application = Application(first, *options.size, state_file=options.state and Path(options.state))
@@ -95,80 +155,90 @@ def run(options: argparse.Namespace) -> None:
 
 
 def state(options: argparse.Namespace) -> State:
-    """Return what the window begins with: a saved one, with what the command line says otherwise."""
+    """Return what the window begins with: a saved state, overridden by the other options.
+
+    Raises
+    ------
+    OSError, ValueError
+        If the state cannot be read.
+    argparse.ArgumentError
+        If a material's text is none, or options do not go together.
+    """
     from dataclasses import replace
     from pathlib import Path
 
     from shrm.viewer.window.state import State
 
+    transfer, environment = _files(options)
     saved = options.state is not None and Path(options.state).exists()
     first = State.load(options.state) if saved else State()
-    materials = [material_text(options, text) for text in options.materials or ()]
-    for text in materials:
-        parse_brdf(text)
-    transfer, environment = files(options)
-    given = {
-        "environment": environment if environment in (None, "daylight") else absolute(environment),
-        "layout": options.env_layout,
-        "repair": True if options.repair else None,
-        "materials": None if options.materials is None else tuple(materials),
-        "mesh": None if options.mesh is None else absolute(options.mesh),
-        "up": options.up,
-        "tangents": options.tangents,
-        "tolerance": options.tolerance,
-        "orders": options.orders,
-        "method": options.method,
-        "viewer": options.viewer,
-        "background": options.background,
-        "exposure": options.exposure,
-        "automatic": None if options.exposure is None else False,
-        "selected": None if options.materials is None else 0,
-        "transfer": None if transfer is None else absolute(transfer),
-        "variant": options.variant,
-        "components": options.components,
-        "tents": options.tents,
-        "window": options.window,
-    }
-    changes = {name: value for name, value in given.items() if value is not None}
-    if options.materials is not None or options.mesh is not None:  # other objects are fitted anew
+
+    # Other objects end the transfer of a saved state.
+    replaced = options.brdf is not None or options.mesh is not None
+    shows_transfer = transfer is not None or (first.transfer is not None and not replaced)
+    require_compatible(_present(options, transfer, shows_transfer), RULES)
+
+    changes = _changes(options, transfer, environment)
+    if replaced:
         changes.update(eye=None, transfer=None)
     if transfer is not None:
         changes["eye"] = None
     if options.tolerance is not None:
         changes["orders"] = None
-    shown = replace(first, **changes)
-    if shown.transfer is None and of_transfer(options) is not None:
-        raise argparse.ArgumentError(None, f"{of_transfer(options)} is for an object with transfer")
-    return shown
+    if options.technique is not None:
+        changes["filter"] = options.filter
+    return replace(first, **changes)
 
 
-def files(options: argparse.Namespace) -> tuple[str | None, str | None]:
-    """Return the paths of the object with transfer and of the environment, as far as they are given.
-
-    Raises
-    ------
-    argparse.ArgumentError
-        If there is an environment too many, or what an object with transfer has already.
-    """
+def _files(options: argparse.Namespace) -> tuple[str | None, str | None]:
+    """Return the paths of the object with transfer and of the environment; None where they are not given."""
     from shrm.render.transferred import is_transfer
 
-    path = options.env
-    if path in (None, "daylight") or not is_transfer(path):
-        if path is not None and options.light is not None:
-            raise argparse.ArgumentError(None, "ENV and --env are two environments: one can be shown")
-        return None, options.light if path is None else path
-    names = {"materials": "--brdf", **{name: flag(name) for name in OF_MAPS}}
-    for name, said in names.items():
-        if getattr(options, name) is not None:
-            raise argparse.ArgumentError(None, f"{said} cannot go with {path}, which has mesh and material")
-    return path, options.light
+    path = options.path
+    if path not in (None, DAYLIGHT) and is_transfer(path):
+        return path, options.env
+    return None, options.env if path is None else path
 
 
-OF_MAPS = ("mesh", "up", "tangents", "tolerance", "orders", "method")
-"""What an object with transfer has already, or has no use for."""
+def _present(options: argparse.Namespace, transfer: str | None, shows_transfer: bool) -> set[str]:
+    """Return the arguments that are given, as `RULES` names them."""
+    present = given(options)
+    if options.path is not None:
+        present.add("ENV" if transfer is None else TRANSFER_FILE)
+    # A saved object has transfer, too, which options may choose from; those of materials replace the object.
+    if shows_transfer and transfer is None:
+        present -= {"--variant", "--components", "--tents", "--window"}
+    return present
 
 
-def absolute(path: str) -> str:
+def _changes(options: argparse.Namespace, transfer: str | None, environment: str | None) -> dict[str, Any]:
+    """Return the fields of the state that options give, by name."""
+    materials = None
+    if options.brdf is not None:
+        materials = tuple(material_text(options, text) for text in options.brdf)
+        for text in materials:
+            parse_brdf(text)
+    fields = {
+        "environment": environment if environment in (None, DAYLIGHT) else _absolute(environment),
+        "layout": options.env_layout,
+        "repair": True if options.repair else None,
+        "materials": materials,
+        "selected": None if materials is None else 0,
+        "mesh": None if options.mesh is None else _absolute(options.mesh),
+        "exposure": options.exposure,
+        "automatic": None if options.exposure is None else False,
+        "transfer": None if transfer is None else _absolute(transfer),
+        "technique": FILTERED if options.filter is not None else options.technique,
+    }
+    for name in (
+        "up", "tangents", "tolerance", "orders", "filter", "viewer", "background", "variant", "components",
+        "tents", "window",
+    ):  # fmt: skip
+        fields[name] = getattr(options, name)
+    return {name: value for name, value in fields.items() if value is not None}
+
+
+def _absolute(path: str) -> str:
     """Return a path that a saved window finds from any folder."""
     from pathlib import Path
 

@@ -11,6 +11,9 @@ from shrm.render.camera import Camera, Vector
 SPACING = 2.3  # between the centers of unit spheres
 MARGIN = 0.3  # around them
 
+SUN_AZIMUTH = 130.0
+"""Degrees from +x towards +y: the sun over the left shoulder of a camera that looks along +x."""
+
 
 def row_extent(count: int) -> tuple[float, float]:
     """Width and height of a row of unit spheres with its margin."""

@@ -17,7 +17,7 @@ from shrm.integrate.hierarchical import prefilter_hierarchical
 from shrm.render import automatic_exposure, display, environment_lookup
 from shrm.render.tonemap import LUMINANCE
 from shrm.viewer import HardwarePrefilter
-from shrm.viewer.gpu.hardware_prefilter import Method
+from shrm.viewer.gpu.hardware_prefilter import Filter
 
 from shrm_papers.kvhs00.opengl import context_or_note, frame_seconds
 from shrm_papers.result import Cell, Result, Settings
@@ -32,7 +32,7 @@ TAPS = 128
 BRIGHTEST = 0.2
 """Error that is white in the picture, by the mean luminance."""
 
-HARDWARE: tuple[tuple[str, Method], ...] = (
+HARDWARE: tuple[tuple[str, Filter], ...] = (
     ("hardware, two passes", "two-pass"),
     ("hardware, one pass", "one-pass"),
     (f"hardware, exact, {TAPS} taps", "exact"),
@@ -95,12 +95,12 @@ def _maps(light: Environment, looks: FloatArray, size: int, border: int) -> tupl
     context, about = context_or_note()
     if context is None:
         return maps, about
-    for name, method in HARDWARE:
+    for name, filter in HARDWARE:
         with HardwarePrefilter(
-            material, size=size, border=border, method=method, taps=TAPS, context=context
+            material, size=size, border=border, filter=filter, taps=TAPS, context=context
         ) as prefilter:
             prefilter.update(light)
-            (seconds,) = frame_seconds(context, [prefilter.filter], 5)
+            (seconds,) = frame_seconds(context, [prefilter.apply_filter], 5)
             maps["unfiltered"] = Filtered(prefilter.unfiltered(), None)
             maps[name] = Filtered(prefilter.maps().maps[0].pixels, seconds)
     context.release()

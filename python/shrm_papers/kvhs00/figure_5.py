@@ -71,16 +71,16 @@ def _measure(
     for name, light in lights.items():
         for s in EXPONENTS:
             with HardwarePrefilter(
-                brdf.Phong(s), size=size, border=size // 8, method="two-pass", context=context
+                brdf.Phong(s), size=size, border=size // 8, filter="two-pass", context=context
             ) as prefilter:
                 prefilter.update(light)
                 scene = Scene([Object(shape, prefilter)], CAMERA, light)
 
                 def frame(prefilter: HardwarePrefilter = prefilter, scene: Scene = scene) -> None:
-                    prefilter.filter()
+                    prefilter.apply_filter()
                     renderer.draw(scene, target)
 
-                alone, whole = frame_seconds(context, [prefilter.filter, frame], 1 if quick else 5)
+                alone, whole = frame_seconds(context, [prefilter.apply_filter, frame], 1 if quick else 5)
                 picture = renderer.render(scene)
             pictures[name].append(picture)
             rows.append([name, s, 1e3 * alone, 1.0 / whole, _error(picture, scene, light, s)])

@@ -13,8 +13,8 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.integrate.angular import prefilter_angular
 from shrm.render import Camera, Object
 from shrm.viewer import Context, HardwarePrefilter, Renderer, Scene
-from shrm.viewer.gpu.hardware_prefilter import Method
-from shrm.viewer.gpu.paraboloid_kernels import Filter, filters
+from shrm.viewer.gpu.hardware_prefilter import Filter
+from shrm.viewer.gpu.paraboloid_kernels import TextureFilter, texture_filters
 
 from shrm_papers.grid_meshes import ball
 from shrm_papers.kvhs00.opengl import context_or_note, frame_seconds
@@ -43,7 +43,7 @@ CLAMP, LARGEST_KERNEL = 0.1, 7
 TAPS = 128
 PICTURE = 512
 DIRECTIONS = 4000  # for errors
-ORDER: tuple[Method, ...] = ("two-pass", "one-pass", "exact")
+ORDER: tuple[Filter, ...] = ("two-pass", "one-pass", "exact")
 
 COLUMNS = (
     "exponent",
@@ -90,7 +90,7 @@ def make(settings: Settings) -> Result:
     """Find the filters, and measure them where there is OpenGL."""
     exponents = (10, 500) if settings.quick else tuple(PAPER)
     context, about = context_or_note()
-    measured: dict[int, dict[Method, Speed]] = {}
+    measured: dict[int, dict[Filter, Speed]] = {}
     seconds = 0.0
     if context is not None:
         measured, seconds = _measure(context, settings, exponents)
@@ -105,7 +105,7 @@ def make(settings: Settings) -> Result:
             ((small[1], large[1]), [f.shrink for f in ours]),
         ):
             row += [x for pair in zip(of_ours, theirs, strict=True) for x in pair]
-        speeds = [measured[s][method] if measured else None for method in ORDER]
+        speeds = [measured[s][filter] if measured else None for filter in ORDER]
         times: list[list[Cell]] = [
             [None, None] if speed is None else [1e3 * speed.filter, 1.0 / speed.frame] for speed in speeds
         ]
@@ -121,42 +121,42 @@ def make(settings: Settings) -> Result:
     )
 
 
-def found(exponent: int) -> tuple[Filter, Filter]:
+def found(exponent: int) -> tuple[TextureFilter, TextureFilter]:
     """The small and the large filter of an exponent."""
-    return filters(brdf.Phong(exponent).lobes[0].profile, SIZE, CLAMP, LARGEST_KERNEL)
+    return texture_filters(brdf.Phong(exponent).lobes[0].profile, SIZE, CLAMP, LARGEST_KERNEL)
 
 
 def _measure(
     context: Context, settings: Settings, exponents: tuple[int, ...]
-) -> tuple[dict[int, dict[Method, Speed]], float]:
-    """Speeds by exponent and method, and the seconds that making the unfiltered map takes."""
+) -> tuple[dict[int, dict[Filter, Speed]], float]:
+    """Speeds by exponent and filter, and the seconds that making the unfiltered map takes."""
     size, rounds = (64, 1) if settings.quick else (SIZE, 5)
     renderer = Renderer(PICTURE if not settings.quick else 64, context=context)
     gl, extent = context.gl, (renderer.width, renderer.height)
     target = gl.framebuffer([gl.texture(extent, 4, dtype="f4")], gl.depth_renderbuffer(extent))
     shape, camera = ball(), Camera((4.0, 2.0, 1.5), fov=32.0)
     directions = _spread(DIRECTIONS // (10 if settings.quick else 1))
-    measured: dict[int, dict[Method, Speed]] = {}
+    measured: dict[int, dict[Filter, Speed]] = {}
     making = 0.0
     for s in exponents:
         exact = prefilter_angular(settings.env, brdf.Phong(s), tolerance=0.0).radiance(directions, directions)
         measured[s] = {}
-        for method in ORDER:
+        for filter in ORDER:
             with HardwarePrefilter(
-                brdf.Phong(s), size=size, border=size // 8, method=method, taps=TAPS, context=context
+                brdf.Phong(s), size=size, border=size // 8, filter=filter, taps=TAPS, context=context
             ) as prefilter:
                 prefilter.update(settings.env)
                 scene = Scene([Object(shape, prefilter)], camera, settings.env)
 
                 def frame(prefilter: HardwarePrefilter = prefilter, scene: Scene = scene) -> None:
-                    prefilter.filter()
+                    prefilter.apply_filter()
                     renderer.draw(scene, target)
 
-                taken = partial(prefilter.take, settings.env)
-                calls: list[Callable[[], object]] = [prefilter.filter, frame, taken]
-                alone, whole, making = frame_seconds(context, calls, 1 if method == "exact" else rounds)
+                taken = partial(prefilter.set_light, settings.env)
+                calls: list[Callable[[], object]] = [prefilter.apply_filter, frame, taken]
+                alone, whole, making = frame_seconds(context, calls, 1 if filter == "exact" else rounds)
                 error = _relative_rms(prefilter.radiance(directions, directions), exact)
-                measured[s][method] = Speed(alone, whole, error)
+                measured[s][filter] = Speed(alone, whole, error)
     renderer.release()
     return measured, making
 
@@ -200,7 +200,7 @@ def _notes(settings: Settings, driver: str, seconds: float) -> list[str]:
     ]
 
 
-def _draw(exponents: tuple[int, ...], measured: dict[int, dict[Method, Speed]]) -> Figure:
+def _draw(exponents: tuple[int, ...], measured: dict[int, dict[Filter, Speed]]) -> Figure:
     figure, axes = panels(1, 2 if measured else 1, 9.6 if measured else 5.2, 4.0)
     theirs = [PAPER[s] for s in exponents]
     for k, which in enumerate(("small", "large")):
@@ -208,11 +208,11 @@ def _draw(exponents: tuple[int, ...], measured: dict[int, dict[Method, Speed]]) 
         papers_line(axes[0], k + 2, f"{which} [KVHS00]", exponents, [papers[:2][k][0] for papers in theirs])
     axes[0].set(ylabel="filter size, texels")
     if measured:
-        for k, method in enumerate(ORDER):
-            speeds = [1.0 / measured[s][method].frame for s in exponents]
-            measured_line(axes[1], k, method, exponents, speeds)
-        for k, method in enumerate(ORDER[:2]):
-            papers_line(axes[1], k, f"{method} [KVHS00]", exponents, [papers[2:][k] for papers in theirs])
+        for k, filter in enumerate(ORDER):
+            speeds = [1.0 / measured[s][filter].frame for s in exponents]
+            measured_line(axes[1], k, filter, exponents, speeds)
+        for k, filter in enumerate(ORDER[:2]):
+            papers_line(axes[1], k, f"{filter} [KVHS00]", exponents, [papers[2:][k] for papers in theirs])
         axes[1].set(ylabel="frames per second")
     for panel in axes:
         panel.set(xscale="log", yscale="log", xlabel="Phong exponent s")

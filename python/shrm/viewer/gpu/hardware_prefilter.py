@@ -30,11 +30,11 @@ from shrm.validation import rotation as require_rotation
 from shrm.viewer.gpu.context import Context, ContextError, offscreen
 from shrm.viewer.gpu.environment_texture import largest_texture
 from shrm.viewer.gpu.paraboloid_filters import FilteredLobe, KernelFilter, TapsFilter
-from shrm.viewer.gpu.paraboloid_kernels import Filter, filters
+from shrm.viewer.gpu.paraboloid_kernels import TextureFilter, texture_filters
 from shrm.viewer.gpu.paraboloid_textures import Faces, ParaboloidEnvironment, Texels
 
-Method = Literal["exact", "two-pass", "one-pass"]
-METHODS: tuple[Method, ...] = ("exact", "two-pass", "one-pass")
+Filter = Literal["exact", "two-pass", "one-pass"]
+FILTERS: tuple[Filter, ...] = ("exact", "two-pass", "one-pass")
 
 Source = Environment | moderngl.Texture | moderngl.TextureCube | moderngl.Framebuffer
 
@@ -59,7 +59,7 @@ class HardwarePrefilter:
         Texels across the disc of each face, 4 to 8192.
     border : int, optional
         Texels beyond the disc on each side, 1 to size / 2; by default an eighth of `size`, as in the paper.
-    method : {"exact", "two-pass", "one-pass"}
+    filter : {"exact", "two-pass", "one-pass"}
         See this module.
     taps : int
         Of the exact filter, for each texel: 1 to 8192.
@@ -77,7 +77,8 @@ class HardwarePrefilter:
     Attributes
     ----------
     size, border : int
-    filters : tuple of (Filter, Filter)
+    filter : {"exact", "two-pass", "one-pass"}
+    texture_filters : tuple of (TextureFilter, TextureFilter)
         The small and the large filter of each lobe; empty for the exact filter.
 
     Raises
@@ -94,7 +95,7 @@ class HardwarePrefilter:
         *,
         size: int = 256,
         border: int | None = None,
-        method: Method = "exact",
+        filter: Filter = "exact",
         taps: int = 128,
         clamp: float = 0.1,
         largest_kernel: int = 7,
@@ -106,14 +107,17 @@ class HardwarePrefilter:
         self.border = (
             max(1, self.size // 8) if border is None else whole_number("border", border, 1, self.size // 2)
         )
-        self.method = one_of("method", method, METHODS)
+        one_of("filter", filter, FILTERS)
+        self.filter: Filter = filter
         count = whole_number("taps", taps, 1, MOST_TAPS)
         if not 0.0 < number("clamp", clamp) < 1.0:
             raise ValueError(f"clamp must be above 0 and below 1, got {clamp!r}")
         whole_number("largest_kernel", largest_kernel, 3, LARGEST_KERNEL)
-        self.filters: tuple[tuple[Filter, Filter], ...] = ()
-        if method != "exact":
-            self.filters = tuple(filters(part.lobe.profile, size, clamp, largest_kernel) for part in lobes)
+        self.texture_filters: tuple[tuple[TextureFilter, TextureFilter], ...] = ()
+        if filter != "exact":
+            self.texture_filters = tuple(
+                texture_filters(part.lobe.profile, size, clamp, largest_kernel) for part in lobes
+            )
         if not isinstance(half, bool):
             raise TypeError(f"half must be True or False, got {half!r}")
         if context is not None and not isinstance(context, Context):
@@ -138,10 +142,10 @@ class HardwarePrefilter:
         self._lobes: list[FilteredLobe] = []
         for k, lobe in enumerate(lobes):
             faces = Faces(gl, side, texels)
-            if self.method == "exact":
+            if self.filter == "exact":
                 self._lobes.append(TapsFilter(gl, lobe, faces, taps))
             else:
-                used = self.filters[k] if self.method == "two-pass" else self.filters[k][:1]
+                used = self.texture_filters[k] if self.filter == "two-pass" else self.texture_filters[k][:1]
                 self._lobes.append(KernelFilter(gl, lobe, faces, used, 0.5 * self.size))
 
     def update(self, source: Source, rotation: npt.ArrayLike = UNTURNED) -> None:
@@ -165,10 +169,10 @@ class HardwarePrefilter:
         TypeError, ValueError
             If it is none of these, or of another context, or R no rotation.
         """
-        self.take(source, rotation)
-        self.filter()
+        self.set_light(source, rotation)
+        self.apply_filter()
 
-    def take(self, source: Source, rotation: npt.ArrayLike = UNTURNED) -> None:
+    def set_light(self, source: Source, rotation: npt.ArrayLike = UNTURNED) -> None:
         """Make the unfiltered map of an environment: the first half of `update`."""
         R = require_rotation("rotation", rotation)
         self._activate()
@@ -188,7 +192,7 @@ class HardwarePrefilter:
             )
         self._filled = True
 
-    def filter(self) -> None:
+    def apply_filter(self) -> None:
         """Filter the map that was taken last: the second half of `update`."""
         self._require_light()
         for lobe in self._lobes:

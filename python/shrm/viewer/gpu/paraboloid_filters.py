@@ -10,7 +10,7 @@ import moderngl
 
 from shrm.lobes.factored import FactoredLobe
 from shrm.prefiltered.paraboloid import RadialCenter
-from shrm.viewer.gpu.paraboloid_kernels import Filter, taps, texture_kernel
+from shrm.viewer.gpu.paraboloid_kernels import TextureFilter, taps, texture_kernel
 from shrm.viewer.gpu.paraboloid_textures import Faces, LayersPass
 
 
@@ -74,18 +74,18 @@ class KernelFilter(FilteredLobe):
         gl: moderngl.Context,
         part: FactoredLobe,
         faces: Faces,
-        used: Sequence[Filter],
+        used: Sequence[TextureFilter],
         radius: float,
     ) -> None:
         super().__init__(part, faces)
         self._convolve = LayersPass(gl, "layer.glsl", "texture_kernel.frag")
         self._blend = LayersPass(gl, "layer.glsl", "blend_kernels.frag")
         self._steps: list[tuple[int, moderngl.Texture, Faces]] = []
-        for found in used:
-            level = min(found.shrink, faces.side).bit_length() - 1
+        for texture_filter in used:
+            level = min(texture_filter.shrink, faces.side).bit_length() - 1
             shrunk = Faces(gl, faces.side >> level, faces.texels)
             # The shrunk map's texels are a little larger where its sides are odd.
-            kernel = texture_kernel(part.lobe.profile, found, faces.side / shrunk.side / radius)
+            kernel = texture_kernel(part.lobe.profile, texture_filter, faces.side / shrunk.side / radius)
             texture = gl.texture(kernel.shape[:2], 3, kernel, dtype="f4", alignment=1)
             self._steps.append((level, texture, shrunk))
 

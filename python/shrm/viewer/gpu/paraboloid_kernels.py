@@ -32,7 +32,7 @@ GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 
 
 @dataclass(frozen=True)
-class Filter:
+class TextureFilter:
     """A filter in the texture space of a paraboloid [KVHS00 section 5.2].
 
     Attributes
@@ -53,7 +53,9 @@ class Filter:
     shrink: int
 
 
-def filters(profile: Profile, size: int, clamp: float, largest_kernel: int) -> tuple[Filter, Filter]:
+def texture_filters(
+    profile: Profile, size: int, clamp: float, largest_kernel: int
+) -> tuple[TextureFilter, TextureFilter]:
     """Return the small and the large filter of a lobe.
 
     Parameters
@@ -82,11 +84,11 @@ def filters(profile: Profile, size: int, clamp: float, largest_kernel: int) -> t
     return _filter("small", small, size, largest_kernel), _filter("large", large, size, largest_kernel)
 
 
-def _filter(which: Which, radius: float, size: int, largest_kernel: int) -> Filter:
+def _filter(which: Which, radius: float, size: int, largest_kernel: int) -> TextureFilter:
     across, shrink = 2 * math.ceil(radius * size / 2), 1
     while across > largest_kernel * shrink:
         shrink *= 2
-    return Filter(which, radius, across, shrink)
+    return TextureFilter(which, radius, across, shrink)
 
 
 def clamp_angle(profile: Profile, clamp: float) -> float:
@@ -110,14 +112,14 @@ def clamp_angle(profile: Profile, clamp: float) -> float:
     return high
 
 
-def texture_kernel(profile: Profile, found: Filter, texel: float) -> Float32Array:
+def texture_kernel(profile: Profile, filter: TextureFilter, texel: float) -> Float32Array:
     """Sample a lobe into a kernel [KVHS00 section 5.2, step 7] that sums to the lobe's integral.
 
     Parameters
     ----------
     profile : callable
         Of cos(theta), one channel or three.
-    found : Filter
+    filter : TextureFilter
     texel : float
         Edge of the shrunk map's texels, in radii of the disc.
 
@@ -126,14 +128,14 @@ def texture_kernel(profile: Profile, found: Filter, texel: float) -> Float32Arra
     (k, k, 3) float32
         k odd.
     """
-    reach = int(found.radius / texel)
+    reach = int(filter.radius / texel)
     steps = np.arange(-reach, reach + 1) * texel
     distance = np.hypot(*np.meshgrid(steps, steps))
     # The angle that a distance is at d = 0, and towards the center at d = 1: r_s and r_l backwards.
-    at_rim = found.which == "large"
+    at_rim = filter.which == "large"
     theta = np.pi / 2 - 2 * np.arctan(1 - distance) if at_rim else 2 * np.arctan(distance)
     values = channels_last(profile(np.cos(theta.ravel())))
-    values[distance.ravel() > found.radius] = 0.0
+    values[distance.ravel() > filter.radius] = 0.0
     total = values.sum(axis=0)
     kernel = np.where(total != 0, values / np.where(total != 0, total, 1), 0.0) * integral(profile)
     return np.broadcast_to(kernel, (len(kernel), 3)).reshape(*distance.shape, 3).astype(np.float32)

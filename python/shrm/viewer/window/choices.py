@@ -10,7 +10,7 @@ from shrm.viewer.gpu.scene import Viewer
 from shrm.viewer.window.integration import COARSENESS, ROWS
 from shrm.viewer.window.materials import KINDS
 from shrm.viewer.window.screen import AMPLIFIED
-from shrm.viewer.window.state import Method, Shown
+from shrm.viewer.window.state import Filter, Shown, Technique
 
 KEYS = (
     ("left drag", "orbit around the objects"),
@@ -23,7 +23,7 @@ KEYS = (
     ("T", "the light turns by itself, or stops"),
     ("E", "find the exposure from the picture"),
     ("B", "environment behind the objects on or off"),
-    ("M", "next method: SHRM, round lobes, 12 views, GPU"),
+    ("M", "next technique: SHRM, round lobes, 12 views, GPU filters"),
     ("1  2  3", "show maps or transfer, integral, difference"),
     ("H", "shadows on or off, of an object with transfer"),
     ("I", "light between its parts (interreflection) on or off"),
@@ -48,46 +48,53 @@ BUTTONS: tuple[tuple[Action, str, str], ...] = (
 )
 
 # Equations are those of [RH02], Ramamoorthi & Hanrahan 2002.
-METHODS: tuple[tuple[Method, str, str], ...] = (
+TECHNIQUES: tuple[tuple[tuple[Technique, Filter | None], str, str], ...] = (
     (
-        "shrm",
+        ("shrm", None),
         "SHRM (Ramamoorthi 2002)",
-        "Ramamoorthi & Hanrahan's. The most accurate: reflections may change with the view in any way, "
-        "up to the order P. (P + 1)^2 maps.",
+        "Spherical harmonic reflection maps, after Ramamoorthi & Hanrahan. The most accurate: reflections "
+        "may change with the view in any way, up to order P. (P + 1)^2 maps.",
     ),
     (
-        "kautz-mccool-3d",
+        ("kautz-mccool-3d", None),
         "round lobes, 3D (Kautz)",
-        "Kautz & McCool's, 2000. Fewer maps, P + 1: highlights are taken to be round. Good for Phong, "
-        "wrong for microfacets at grazing views. About tangents (hair, brushed metal) they are exact: "
-        "the anisotropic maps of Kautz et al. 2000.",
+        "Kautz & McCool 2000. Fewer maps, P + 1, because highlights are assumed to be round. Exact for Phong,"
+        " wrong for microfacets at grazing views. For hair and brushed metal they are exact: the anisotropic "
+        "maps of Kautz et al. 2000.",
     ),
     (
-        "kautz-mccool-2d",
+        ("kautz-mccool-2d", None),
         "one round lobe, 2D (Kautz)",
-        "Kautz & McCool's, 2000. A single map: highlights are round and keep their shape, and only their "
-        "brightness changes with the view.",
+        "Kautz & McCool 2000. A single map: highlights are round and keep their shape; only their brightness "
+        "changes with the view.",
     ),
     (
-        "miller-heidrich",
+        ("miller-heidrich", None),
         "Phong lobe (Heidrich 1999)",
-        "Miller's and Heidrich's. A single map of the Phong lobe that is nearest, times a Fresnel factor; "
-        "matt parts have a map of their own.",
+        "Miller & Hoffman 1984, Heidrich & Seidel 1999. A single map of the nearest Phong lobe, times a "
+        "Fresnel factor; diffuse parts have a map of their own.",
     ),
     (
-        "cabral",
+        ("cabral", None),
         "12 views (Cabral 1999)",
-        "Always 12 maps, of 12 fixed views; others are blended from the "
-        "nearest three. Wrong where highlights move.",
+        "Cabral et al. 1999. Always 12 maps, of 12 fixed views; others are blended from the nearest three. "
+        "Wrong where highlights move.",
     ),
     (
-        "hardware",
-        "GPU filter (Kautz 2000)",
-        "Kautz et al.'s. One round lobe, filtered in two passes over a small picture whenever the light "
-        "changes: the fastest on a graphics card, with 3 to 15 % of error, more where highlights are not "
-        "round. Broad lobes are summed over 128 taps.",
+        ("kautz-mccool-2d", "two-pass"),
+        "GPU filter, 2 passes (Kautz)",
+        "Kautz et al. 2000. One round lobe, filtered by the GPU in two passes over a small map whenever the "
+        "light changes: the fastest on a graphics card. Errors of 3 to 15 %, more where highlights are not "
+        "round. Lobes too broad for it are filtered by taps.",
+    ),
+    (
+        ("kautz-mccool-2d", "exact"),
+        "GPU filter, taps",
+        "One round lobe, filtered by the GPU whenever the light changes: for each texel a sum over 128 taps "
+        "on the sphere. More accurate than two passes, and slower.",
     ),
 )
+"""Classes of maps, each with the filter by which the GPU makes them; the key M goes through them."""
 VIEWERS: tuple[tuple[Viewer, str, str], ...] = (
     (
         "distant",

@@ -78,7 +78,7 @@ class Drawing:
         state, drawn = self._lit(result, state, eye.camera)
         if not drawn:
             return state
-        objects = drawn, result.request.method, result.shapes
+        objects = drawn, result.request.filter, result.shapes
         decides = *objects, light, eye, state.viewer, extent, background
         if decides != self.seen:
             self.seen, screen.samples = decides, 0
@@ -115,11 +115,11 @@ class Drawing:
             return replace(state, variant=None, components=None, tents=None), ()
 
     def _filtered(self, result: Prefiltered, state: State, drawn: Materials) -> tuple[State, Materials]:
-        """The same, or what the GPU filters instead if that is the method."""
+        """The same, or what the GPU filters instead if the state names a filter."""
         if result.transferred is not None:
             return state, drawn
         try:
             return state, self.filtered.drawn_with(result)
         except Faults as fault:
             self.fault = one_line(fault)
-            return replace(state, method="shrm"), drawn
+            return replace(state, technique="shrm", filter=None), drawn

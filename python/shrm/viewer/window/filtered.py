@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from shrm import brdf
@@ -10,12 +12,15 @@ from shrm.viewer.gpu.context import Context
 from shrm.viewer.gpu.hardware_prefilter import HardwarePrefilter
 from shrm.viewer.gpu.renderer import Drawn
 from shrm.viewer.window.lighting import Prefiltered
-from shrm.viewer.window.state import Rows
+from shrm.viewer.window.state import Filter, Rows
 
-SIZE, BROAD_SIZE = 256, 64
-"""Texels across a face, and across one for lobes so broad that two passes would cut too much of them."""
+SIZES = {"two-pass": 256, "exact": 128}
+"""Texels across a face; taps take longer for each."""
+BROAD_SIZE = 64
+"""Texels across a face of lobes so broad that two passes would cut too much of them."""
 CLAMP = 0.02
-"""Of a lobe's maximum, what is left out: for microfacets' long tails less than the paper's tenth."""
+"""Share of a lobe's maximum below which two passes leave it out: microfacets have longer tails than Phong's
+lobe, for which the paper takes a tenth."""
 
 
 class FilteredMaterials:
@@ -23,11 +28,11 @@ class FilteredMaterials:
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._held: dict[int, tuple[str, HardwarePrefilter]] = {}
+        self._held: dict[int, tuple[tuple[str, Filter], HardwarePrefilter]] = {}
         self._light: dict[int, tuple[Environment, Rows]] = {}
 
     def drawn_with(self, result: Prefiltered) -> tuple[Drawn, ...]:
-        """Return what objects are drawn with: the maps there are, or, by the method "hardware", its own.
+        """Return what objects are drawn with: the maps there are, or those of the filter that is asked for.
 
         Raises
         ------
@@ -37,21 +42,23 @@ class FilteredMaterials:
             If OpenGL cannot draw into textures of floats.
         """
         request = result.request
-        if request.method != "hardware":
+        if request.filter is None:
             return result.drawn
         return tuple(
-            self._material(k, text, result.environment, request.light)
+            self._material(k, text, request.filter, result.environment, request.light)
             for k, text in enumerate(request.materials)
         )
 
-    def _material(self, index: int, text: str, environment: Environment, light: Rows) -> HardwarePrefilter:
-        """Object `index`'s maps under a turned light, L'(w) = L(R^T w)."""
+    def _material(
+        self, index: int, text: str, filter: Filter, environment: Environment, light: Rows
+    ) -> HardwarePrefilter:
+        """Return object `index`'s maps under a turned light, L'(w) = L(R^T w)."""
         held = self._held.get(index)
-        if held is None or held[0] != text:
+        if held is None or held[0] != (text, filter):
             if held is not None:
                 held[1].release()
                 del self._held[index]
-            self._held[index] = held = text, _prefilter(brdf.parse(text), self._context)
+            self._held[index] = held = (text, filter), _prefilter(brdf.parse(text), filter, self._context)
             self._light.pop(index, None)
         if self._light.get(index) != (environment, light):
             held[1].update(environment, rotation=np.asarray(light, np.float64))
@@ -65,10 +72,11 @@ class FilteredMaterials:
         self._held.clear()
 
 
-def _prefilter(material: brdf.BRDF, context: Context) -> HardwarePrefilter:
-    try:
-        return HardwarePrefilter(material, size=SIZE, method="two-pass", clamp=CLAMP, context=context)
-    except ValueError:
-        if any(lobe.center == "tangent" for lobe in material.lobes):
-            raise
-        return HardwarePrefilter(material, size=BROAD_SIZE, method="exact", context=context)
+def _prefilter(material: brdf.BRDF, filter: Filter, context: Context) -> HardwarePrefilter:
+    if filter == "two-pass":
+        with suppress(ValueError):  # too broad for a kernel; about a tangent the next call refuses it, too
+            return HardwarePrefilter(
+                material, size=SIZES[filter], filter=filter, clamp=CLAMP, context=context
+            )
+    size = BROAD_SIZE if filter == "two-pass" else SIZES[filter]
+    return HardwarePrefilter(material, size=size, filter="exact", context=context)

@@ -22,27 +22,26 @@ from shrm.prefiltered import Prefiltered as Layered
 from shrm.prefiltered import of_reflection_map
 from shrm.prefiltered.explicit import without_azimuth
 from shrm.render.mesh import Mesh
-from shrm.render.row import row_camera
+from shrm.render.row import SUN_AZIMUTH, row_camera
 from shrm.render.shapes import Shape, Sphere
 from shrm.render.tangents import Tangents
 from shrm.render.transferred import TransferredMesh
 from shrm.transfer.object import RadianceTransfer
-from shrm.viewer.window.state import UNTURNED, Method, Rows, State, Up
+from shrm.viewer.window.state import UNTURNED, Filter, Rows, State, Technique, Up
 from shrm.viewer.window.worker import StaleError
 
 Drawn = ReflectionMap | Layered
 
-METHODS: Mapping[Method, Callable[[ReflectionMap, brdf.BRDF], Drawn]] = {
+TECHNIQUES: Mapping[Technique, Callable[[ReflectionMap, brdf.BRDF], Drawn]] = {
     "shrm": lambda rm, _: rm,
     "kautz-mccool-3d": lambda rm, _: without_azimuth(rm),
     "kautz-mccool-2d": lambda rm, material: of_reflection_map(rm, material, "kautz-mccool-2d"),
     "miller-heidrich": lambda rm, material: of_reflection_map(rm, material, "miller-heidrich"),
     "cabral": lambda rm, material: of_reflection_map(rm, material, "cabral"),
-    "hardware": lambda rm, _: rm,  # filtered where it is drawn
 }
+"""How maps of each class are made of a reflection map and its material."""
 
 DAYLIGHT = "daylight"
-SUN_AZIMUTH = 130.0  # the sun stands over the left shoulder of an eye that looks along +x
 
 # The orders that a tolerance may take: more than these cannot be summed in every pixel in real time.
 F_MAX, P_MAX = 60, 6
@@ -65,7 +64,8 @@ class Request:
     tangents: Tangents
     tolerance: float
     orders: tuple[int, int] | None
-    method: Method
+    technique: Technique
+    filter: Filter | None
     light: Rows
     transfer: str | None
 
@@ -90,7 +90,7 @@ class Prefiltered:
     maps : tuple of ReflectionMap
         One for each material, of the turned light. Nothing writes to them any more.
     drawn : tuple of ReflectionMap or shrm.prefiltered.Prefiltered
-        What the method makes of them.
+        What the technique makes of them; the same maps where the GPU filters others in their place.
     seconds : float
         What the maps took, files not counted.
     errors : tuple of float, or None
@@ -164,7 +164,7 @@ class Lighting:
                 self._objects.append(_Lit())
             lit = self._objects[index]
             maps.append(lit.relit(environment, text, request, R))
-            drawn.append(lit.drawn_by(request.method))
+            drawn.append(lit.drawn_by(request.technique if request.filter is None else "shrm"))
         seconds = time.perf_counter() - start
         known = [thing.error for thing in self._objects]
         answer = Prefiltered(request, environment, shapes, tuple(maps), tuple(drawn), seconds, None, notes)
@@ -236,7 +236,7 @@ class _Lit:
         self._accuracy: object = None
         self._R: FloatArray = np.eye(3)
         self._map: ReflectionMap | None = None  # given away last
-        self._drawn: tuple[ReflectionMap, Method, Drawn] | None = None  # the same, made of a map by a method
+        self._drawn: tuple[ReflectionMap, Technique, Drawn] | None = None  # made of the map given away last
         self.error: float | None = None
 
     def relit(self, environment: Environment, text: str, request: Request, R: FloatArray) -> ReflectionMap:
@@ -261,11 +261,11 @@ class _Lit:
         self._map = replace(relit, parts=parts)
         return self._map
 
-    def drawn_by(self, method: Method) -> Drawn:
-        """Return what a method makes of the maps given away last."""
+    def drawn_by(self, technique: Technique) -> Drawn:
+        """Return what a technique makes of the maps given away last."""
         assert self._map is not None
-        if self._drawn is None or self._drawn[0] is not self._map or self._drawn[1] != method:
-            self._drawn = self._map, method, METHODS[method](self._map, brdf.parse(self._text))
+        if self._drawn is None or self._drawn[0] is not self._map or self._drawn[1] != technique:
+            self._drawn = self._map, technique, TECHNIQUES[technique](self._map, brdf.parse(self._text))
         return self._drawn[2]
 
     def _renew(

@@ -9,7 +9,16 @@ from slimgui import imgui
 
 from shrm.environment.layouts import LAYOUTS
 from shrm.frequency.reflection_map import ReflectionMap
-from shrm.viewer.window.choices import BUTTONS, BY_PATH, METHODS, OF_LIGHT, OF_VIEW, SHOWN, VIEWERS, Action
+from shrm.viewer.window.choices import (
+    BUTTONS,
+    BY_PATH,
+    OF_LIGHT,
+    OF_VIEW,
+    SHOWN,
+    TECHNIQUES,
+    VIEWERS,
+    Action,
+)
 from shrm.viewer.window.lighting import DAYLIGHT, F_MAX, P_MAX, Prefiltered
 from shrm.viewer.window.object_panel import draw_objects
 from shrm.viewer.window.opening import absolute, with_file
@@ -88,7 +97,7 @@ class Panel:
         if state.transfer is None:
             state = draw_objects(self.widgets, state, facts.result)
             state = self._accuracy(state, facts)
-            state = self._method(state, facts)
+            state = self._technique(state, facts)
         else:
             state = draw_transfer(self.widgets, state, facts.result, facts.integrated)
         state = self._picture(state, actions)
@@ -193,7 +202,7 @@ class Panel:
         maps = sum(part.rings.shape[1] for part in held)
         word = "map" if maps == 1 else "maps"
         whose = f"object {state.selected + 1}: " if len(state.materials) > 1 else ""
-        if state.method == "hardware":
+        if state.filter is not None:
             imgui.text(f"{whose}one dual-paraboloid map a lobe")
             explain(
                 "Two round pictures of opposite halves of the sphere, filtered by the GPU for every light."
@@ -221,8 +230,8 @@ class Panel:
         return state if state.orders == (F, P) else replace(state, orders=(F, P))
 
     def _predicted(self, state: State, mine: ReflectionMap, errors: tuple[float, ...] | None) -> None:
-        if state.method != "shrm":
-            imgui.text_colored(GREY, "error: not predicted for this method")
+        if state.technique != "shrm":
+            imgui.text_colored(GREY, "error: not predicted for this technique")
         elif errors is None or state.selected >= len(errors):
             imgui.text_colored(GREY, "predicted error: ...")
         else:
@@ -241,15 +250,16 @@ class Panel:
             "that is not enough, take a rougher material or a softer light, or shrm render."
         )
 
-    def _method(self, state: State, facts: Facts) -> State:
-        imgui.separator_text("Method")
-        names, labels, meanings = zip(*METHODS, strict=True)
-        current = names.index(state.method)
-        changed, chosen = imgui.combo("method", current, list(labels))
-        self.widgets.place("method")
-        explain(f"How the reflected light is approximated. {labels[current]}: {meanings[current]}")
+    def _technique(self, state: State, facts: Facts) -> State:
+        imgui.separator_text("Technique")
+        choices, labels, meanings = zip(*TECHNIQUES, strict=True)
+        current = choices.index((state.technique, state.filter))
+        changed, chosen = imgui.combo("technique", current, list(labels))
+        self.widgets.place("technique")
+        explain(f"What the maps hold of the reflected light. {labels[current]}: {meanings[current]}")
         if changed:
-            state = replace(state, method=names[chosen])
+            technique, filter = choices[chosen]
+            state = replace(state, technique=technique, filter=filter)
         viewer = self.widgets.choice("viewer", VIEWERS, state.viewer)
         shown = self.widgets.choice("shown ", SHOWN, state.shown)
         imgui.text_colored(GREY, facts.integrated or " ")

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import get_args
 
 import glfw
 
-from shrm.viewer.window.choices import Action
+from shrm.viewer.window.choices import TECHNIQUES, Action
 from shrm.viewer.window.relit import Choice
-from shrm.viewer.window.state import UNTURNED, Method, Shown, State
-
-METHODS = get_args(Method)
+from shrm.viewer.window.state import UNTURNED, Shown, State
 
 ACTIONS: Mapping[int, Action] = {
     glfw.KEY_ESCAPE: "close help",
@@ -46,7 +43,7 @@ def keyed(state: State, key: int, choice: Choice | None) -> State:
     if key == glfw.KEY_B:
         return replace(state, background=not state.background)
     if key == glfw.KEY_M:
-        return replace(state, method=METHODS[(METHODS.index(state.method) + 1) % len(METHODS)])
+        return with_next_technique(state)
     if key == glfw.KEY_H and choice is not None:
         return replace(state, variant=choice.other_shadows or state.variant)
     if key == glfw.KEY_I and choice is not None:
@@ -56,3 +53,10 @@ def keyed(state: State, key: int, choice: Choice | None) -> State:
     if key in SHOWN:
         return replace(state, shown=SHOWN[key])
     return state
+
+
+def with_next_technique(state: State) -> State:
+    """Return a state with the next technique, or GPU filter, of the panel's list."""
+    choices = [choice for choice, _, _ in TECHNIQUES]
+    technique, filter = choices[(choices.index((state.technique, state.filter)) + 1) % len(choices)]
+    return replace(state, technique=technique, filter=filter)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -13,11 +14,12 @@ from shrm.arrays import FloatArray
 from shrm.frequency.orders import require_orders, require_tolerance
 from shrm.frequency.prefilter import Window
 from shrm.render.tangents import Tangents
-from shrm.validation import one_of, rotation, whole_number
+from shrm.validation import number, one_of, rotation, whole_number
 from shrm.viewer.gpu.scene import Viewer
 from shrm.viewer.window.orbit import Orbit
 
-Method = Literal["shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral", "hardware"]
+Technique = Literal["shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"]
+Filter = Literal["two-pass", "exact"]
 Shown = Literal["maps", "integration", "difference"]
 Variant = Literal["unshadowed", "shadowed", "interreflected"]
 Up = Literal["y", "z"]
@@ -25,8 +27,10 @@ Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float
 
 UNTURNED: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 GOLD = "ggx(alpha=0.3,f0=1/0.71/0.29)"
-FORMAT = "shrm view 1"
+FORMAT = "shrm view 2"
 LEAST_TENTS = 2
+FILTERED: Technique = "kautz-mccool-2d"
+"""The technique whose maps the GPU can filter: one round lobe, times a factor of the view."""
 
 
 @dataclass(frozen=True)
@@ -53,10 +57,12 @@ class State:
         Relative RMS error wanted of the reflected light; chooses the orders.
     orders : (F, P), optional
         The orders themselves, in place of a tolerance.
-    method : {"shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral", "hardware"}
-        All that the orders hold of the reflected light; the same without the azimuth of the view
-        (`shrm.explicit.without_azimuth`); by the techniques of `shrm.prefiltered`; or filtered on the GPU
-        (`shrm.viewer.HardwarePrefilter`).
+    technique : {"shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"}
+        The class of maps: spherical harmonic reflection maps, the same without the azimuth of the view
+        (`shrm.explicit.without_azimuth`), or one of the other classes of `shrm.prefiltered`.
+    filter : {"two-pass", "exact"}, optional
+        How the GPU filters the maps (`shrm.viewer.HardwarePrefilter`), which "kautz-mccool-2d" alone allows;
+        without one they are made of the reflection maps.
     viewer : {"distant", "near"}
         One dynamic map per frame [RH02 eq. 12], or all maps summed in every pixel [RH02 eq. 6, 7].
     shown : {"maps", "integration", "difference"}
@@ -102,7 +108,8 @@ class State:
     tangents: Tangents = "axis"
     tolerance: float = 0.06
     orders: tuple[int, int] | None = None
-    method: Method = "shrm"
+    technique: Technique = "shrm"
+    filter: Filter | None = None
     viewer: Viewer = "distant"
     shown: Shown = "maps"
     automatic: bool = True
@@ -119,41 +126,11 @@ class State:
     turning: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("environment", "layout", "mesh", "transfer"):
-            value = getattr(self, name)
-            if not isinstance(value, str) and (value is not None or name == "environment"):
-                raise TypeError(f"{name} must be a text, got {value!r}")
-        if self.eye is not None and not isinstance(self.eye, Orbit):
-            raise TypeError(f"eye must be an Orbit, got {self.eye!r}")
-        if not isinstance(self.materials, tuple) or not self.materials:
-            raise ValueError(f"materials must be one text or more, got {self.materials!r}")
-        if not all(isinstance(text, str) for text in self.materials):
-            raise ValueError(f"materials must be one text or more, got {self.materials!r}")
-        one_of("up", self.up, get_args(Up))
-        one_of("tangents", self.tangents, get_args(Tangents))
-        one_of("method", self.method, get_args(Method))
-        one_of("viewer", self.viewer, get_args(Viewer))
-        one_of("shown", self.shown, get_args(Shown))
-        require_tolerance(self.tolerance)
-        if self.orders is not None:
-            if len(self.orders) != 2:
-                raise ValueError(f"orders must be F and P, got {self.orders!r}")
-            require_orders(*self.orders)
-        if isinstance(self.exposure, bool) or not -100.0 <= self.exposure <= 100.0:
-            raise ValueError(f"exposure must be from -100 to 100 stops, got {self.exposure!r}")
-        for name in ("automatic", "background", "repair", "turning"):
-            if not isinstance(getattr(self, name), bool):
-                raise TypeError(f"{name} must be true or false, got {getattr(self, name)!r}")
-        rotation("light", self.light)
-        if not isinstance(self.selected, int) or not 0 <= self.selected < len(self.materials):
-            raise ValueError(f"selected must be from 0 to {len(self.materials) - 1}, got {self.selected!r}")
-        if self.variant is not None:
-            one_of("variant", self.variant, get_args(Variant))
-        if self.window is not None:
-            one_of("window", self.window, get_args(Window))
-        for name, least in (("components", 1), ("tents", LEAST_TENTS)):
-            if getattr(self, name) is not None:
-                whole_number(name, getattr(self, name), least)
+        for name, check in CHECKS.items():
+            check(name, getattr(self, name))
+        whole_number("selected", self.selected, 0, len(self.materials) - 1)
+        if self.filter is not None and self.technique != FILTERED:
+            raise ValueError(f"filter must be None unless the technique is {FILTERED}, got {self.filter!r}")
 
     @property
     def R(self) -> FloatArray:
@@ -208,8 +185,72 @@ class State:
             raise ValueError(f"{path}: {fault}") from None
 
 
+Check = Callable[[str, Any], object]
+"""Refuses the value of a field, by its name, with a TypeError or a ValueError."""
+
+
+def _optional(check: Check) -> Check:
+    return lambda name, value: None if value is None else check(name, value)
+
+
+def _choice(literal: Any) -> Check:
+    return lambda name, value: one_of(name, value, get_args(literal))
+
+
+def flag(name: str, value: Any) -> None:
+    """Refuse what is neither True nor False."""
+    if not isinstance(value, bool):
+        raise TypeError(f"{name} must be True or False, got {value!r}")
+
+
+def string(name: str, value: Any) -> None:
+    """Refuse what is no string."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a string, got {value!r}")
+
+
+def _texts(name: str, value: Any) -> None:
+    if not isinstance(value, tuple) or not value or not all(isinstance(text, str) for text in value):
+        raise ValueError(f"{name} must be one text or more, got {value!r}")
+
+
+def _orders(name: str, value: Any) -> None:
+    if len(value) != 2:
+        raise ValueError(f"{name} must be F and P, got {value!r}")
+    require_orders(*value)
+
+
+def _eye(name: str, value: Any) -> None:
+    if not isinstance(value, Orbit):
+        raise TypeError(f"{name} must be an Orbit, got {value!r}")
+
+
+CHECKS: Mapping[str, Check] = {
+    "environment": string,
+    **dict.fromkeys(("layout", "mesh", "transfer"), _optional(string)),
+    **dict.fromkeys(("repair", "automatic", "background", "turning"), flag),
+    "materials": _texts,
+    "up": _choice(Up),
+    "tangents": _choice(Tangents),
+    "tolerance": lambda name, value: require_tolerance(value),
+    "orders": _optional(_orders),
+    "technique": _choice(Technique),
+    "filter": _optional(_choice(Filter)),
+    "viewer": _choice(Viewer),
+    "shown": _choice(Shown),
+    "exposure": lambda name, value: number(name, value, -100.0, 100.0),
+    "light": rotation,
+    "eye": _optional(_eye),
+    "variant": _optional(_choice(Variant)),
+    "components": _optional(lambda name, value: whole_number(name, value, 1)),
+    "tents": _optional(lambda name, value: whole_number(name, value, LEAST_TENTS)),
+    "window": _optional(_choice(Window)),
+}
+"""What each field must be, whatever the others are."""
+
+
 def _from_json(values: dict[str, Any]) -> dict[str, Any]:
-    """Lists as the tuples they were."""
+    """Return the fields of a state as JSON has them with tuples where it has lists."""
     values = dict(values)
     for name in ("materials", "orders"):
         if isinstance(values.get(name), list):
