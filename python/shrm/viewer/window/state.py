@@ -14,7 +14,7 @@ from shrm.arrays import FloatArray
 from shrm.frequency.orders import require_orders, require_tolerance
 from shrm.frequency.prefilter import Window
 from shrm.render.tangents import Tangents
-from shrm.validation import number, one_of, rotation, whole_number
+from shrm.validation import flag, number, one_of, require_instance, rotation, string, whole_number
 from shrm.viewer.gpu.scene import Viewer
 from shrm.viewer.window.orbit import Orbit
 
@@ -197,18 +197,6 @@ def _choice(literal: Any) -> Check:
     return lambda name, value: one_of(name, value, get_args(literal))
 
 
-def flag(name: str, value: Any) -> None:
-    """Refuse what is neither True nor False."""
-    if not isinstance(value, bool):
-        raise TypeError(f"{name} must be True or False, got {value!r}")
-
-
-def string(name: str, value: Any) -> None:
-    """Refuse what is no string."""
-    if not isinstance(value, str):
-        raise TypeError(f"{name} must be a string, got {value!r}")
-
-
 def _texts(name: str, value: Any) -> None:
     if not isinstance(value, tuple) or not value or not all(isinstance(text, str) for text in value):
         raise ValueError(f"{name} must be one text or more, got {value!r}")
@@ -218,11 +206,6 @@ def _orders(name: str, value: Any) -> None:
     if len(value) != 2:
         raise ValueError(f"{name} must be F and P, got {value!r}")
     require_orders(*value)
-
-
-def _eye(name: str, value: Any) -> None:
-    if not isinstance(value, Orbit):
-        raise TypeError(f"{name} must be an Orbit, got {value!r}")
 
 
 CHECKS: Mapping[str, Check] = {
@@ -240,7 +223,7 @@ CHECKS: Mapping[str, Check] = {
     "shown": _choice(Shown),
     "exposure": lambda name, value: number(name, value, -100.0, 100.0),
     "light": rotation,
-    "eye": _optional(_eye),
+    "eye": _optional(lambda name, value: require_instance(name, value, Orbit)),
     "variant": _optional(_choice(Variant)),
     "components": _optional(lambda name, value: whole_number(name, value, 1)),
     "tents": _optional(lambda name, value: whole_number(name, value, LEAST_TENTS)),
