@@ -220,10 +220,10 @@ void radiance() {
                     const auto rings = random_values<float>(size(H) * size(map.maps()) * 3 * size(W));
                     map.rings = rings;
                     std::vector<float> values(normals.size() * 3), pixels(size(H) * size(W) * 3);
-                    for (auto centre : {shrm::Centre::reflection, shrm::Centre::normal, shrm::Centre::tangent,
-                                        shrm::Centre::lobe}) {
-                        shrm::add_radiance(map, centre, gamma, normals, views, bilinear, values);
-                        shrm::add_radiance(map, centre, gamma, normals, std::span(views).first(1), bilinear,
+                    for (auto center : {shrm::Center::reflection, shrm::Center::normal, shrm::Center::tangent,
+                                        shrm::Center::lobe}) {
+                        shrm::add_radiance(map, center, gamma, normals, views, bilinear, values);
+                        shrm::add_radiance(map, center, gamma, normals, std::span(views).first(1), bilinear,
                                            values);
                     }
                     shrm::view_map(map, views[1], pixels);
@@ -238,7 +238,7 @@ void radiance() {
                     shrm::to_half(rings, W, halves.data(), map.pitch);
                     map.halves = halves;
                     shrm::view_map(map, views[1], pixels);
-                    shrm::add_radiance(map, shrm::Centre::normal, gamma, normals, views, bilinear, values);
+                    shrm::add_radiance(map, shrm::Center::normal, gamma, normals, views, bilinear, values);
                 }
 }
 

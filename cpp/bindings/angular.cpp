@@ -19,11 +19,11 @@ angular::Picture picture_of(const Array<float>& planes, int subsamples) {
 }
 
 Array<float> radial(const Array<float>& planes, int subsamples, const Array<float>& profile, int shift,
-                    double scale, double support, double outer, const Array<double>& centres) {
+                    double scale, double support, double outer, const Array<double>& centers) {
     const auto picture = picture_of(planes, subsamples);
     const auto table = profile_of(profile, shift, scale, support);
-    const auto axes = unit_vectors(centres, "centres");
-    Array<float> out = allocate<float>({centres.shape(0), 3});
+    const auto axes = unit_vectors(centers, "centers");
+    Array<float> out = allocate<float>({centers.shape(0), 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
     {
         const py::gil_scoped_release release;
@@ -69,13 +69,13 @@ Array<float> zonal(const Array<float>& planes, int subsamples, const Array<float
     const auto picture = picture_of(planes, subsamples);
     const auto ranges = bands_of(bands, "bands", profiles.shape(0));
     const auto table = zonal_of(profiles, ranges);
-    const auto centres = unit_vectors(axes, "axes");
+    const auto centers = unit_vectors(axes, "axes");
     require_shape(theta_o, "theta_o", {axes.shape(0)});
     Array<float> out = allocate<float>({axes.shape(0), 3});
     const std::span<float> result(out.mutable_data(), static_cast<std::size_t>(out.size()));
     {
         const py::gil_scoped_release release;
-        angular::integrate_zonal(picture, table, centres, view(theta_o), result);
+        angular::integrate_zonal(picture, table, centers, view(theta_o), result);
     }
     return out;
 }
@@ -103,7 +103,7 @@ void bind_angular(py::module_& module) {
     module.attr("ANGULAR_LANES") = angular::lanes;
     module.def("angular_radial", radial, py::kw_only(), py::arg("planes").noconvert(), py::arg("subsamples"),
                py::arg("profile").noconvert(), py::arg("shift"), py::arg("scale"), py::arg("support"),
-               py::arg("outer"), py::arg("centres").noconvert());
+               py::arg("outer"), py::arg("centers").noconvert());
     module.def("angular_radial_map", radial_map, py::kw_only(), py::arg("planes").noconvert(),
                py::arg("subsamples"), py::arg("profile").noconvert(), py::arg("shift"), py::arg("scale"),
                py::arg("support"), py::arg("outer"), py::arg("height"), py::arg("width"),

@@ -32,10 +32,10 @@ py::tuple descended(py::ssize_t targets, const Integrate& integrate) {
 
 py::tuple descend_radial(const Pyramid& pyramid, const Array<float>& profile, int shift, double scale,
                          double support, double outer, double threshold, double integral, double finest,
-                         const Array<double>& centres) {
+                         const Array<double>& centers) {
     const auto table = profile_of(profile, shift, scale, support);
-    const auto targets = unit_vectors(centres, "centres");
-    return descended(centres.shape(0), [&](std::span<float> out) {
+    const auto targets = unit_vectors(centers, "centers");
+    return descended(centers.shape(0), [&](std::span<float> out) {
         return hierarchical::integrate_radial(pyramid, table, outer, {threshold, integral, finest}, targets,
                                               out);
     });
@@ -80,7 +80,7 @@ void bind_hierarchical(py::module_& module) {
     module.attr("HIERARCHICAL_BLOCK") = hierarchical::block;
     module.def("hierarchical_radial", descend_radial, py::kw_only(), "pyramid"_a, "profile"_a.noconvert(),
                "shift"_a, "scale"_a, "support"_a, "outer"_a, "threshold"_a, "integral"_a, "finest"_a,
-               "centres"_a.noconvert());
+               "centers"_a.noconvert());
     module.def("hierarchical_zonal", descend_zonal, py::kw_only(), "pyramid"_a, "profiles"_a.noconvert(),
                "bands"_a.noconvert(), "supports"_a.noconvert(), "threshold"_a, "integral"_a, "finest"_a,
                "axes"_a.noconvert(), "theta_o"_a.noconvert());

@@ -141,21 +141,21 @@ ReflectionMapView require_map(const py::array& rings, bool cube, bool zonal) {
     return map;
 }
 
-Centre centre_of(const std::string& name) {
-    if (name == "reflection") return Centre::reflection;
-    if (name == "normal") return Centre::normal;
-    if (name == "tangent") return Centre::tangent;
-    if (name == "lobe") return Centre::lobe;
-    throw py::value_error("unknown centre " + name);
+Center center_of(const std::string& name) {
+    if (name == "reflection") return Center::reflection;
+    if (name == "normal") return Center::normal;
+    if (name == "tangent") return Center::tangent;
+    if (name == "lobe") return Center::lobe;
+    throw py::value_error("unknown center " + name);
 }
 
-void add_radiance(const py::array& rings, bool cube, bool zonal, const std::string& centre,
+void add_radiance(const py::array& rings, bool cube, bool zonal, const std::string& center,
                   const Array<double>& gamma, const Array<double>& axes, const Array<double>& views,
                   bool bilinear, Array<float>& radiance) {
     const ReflectionMapView map = require_map(rings, cube, zonal);
-    const Centre about = centre_of(centre);
+    const Center about = center_of(center);
     require_shape(gamma, "gamma", {any});
-    if (about == Centre::lobe && gamma.shape(0) < 2) throw py::value_error("gamma needs two entries or more");
+    if (about == Center::lobe && gamma.shape(0) < 2) throw py::value_error("gamma needs two entries or more");
     require_shape(axes, "axes", {any, 3});
     require_shape(views, "views", {views.ndim() == 2 && views.shape(0) == 1 ? 1 : axes.shape(0), 3});
     require_shape(radiance, "radiance", {axes.shape(0), 3});
@@ -234,7 +234,7 @@ void bind_reflection_map(py::module_& module) {
         .def("set_material", &MapCoefficientsPlan::set_material, "rho"_a.noconvert(), py::pos_only())
         .def("run", &MapCoefficientsPlan::run, "light"_a.noconvert(), "coefficients"_a.noconvert(),
              py::pos_only());
-    module.def("add_radiance", &add_radiance, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a, "centre"_a,
+    module.def("add_radiance", &add_radiance, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a, "center"_a,
                "gamma"_a.noconvert(), "axes"_a.noconvert(), "views"_a.noconvert(), "bilinear"_a,
                "radiance"_a.noconvert());
     module.def("view_map", &view_map, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a,

@@ -3,8 +3,8 @@
 // CONVENTIONS
 //   World      right-handed, z up. theta is the colatitude from +z, phi the azimuth from +x
 //              towards +y. Radiance is linear.
-//   Lat-long   pixel (i, j) of an H x W picture covers theta in [i, i+1] pi/H and is centred
-//              on phi_j = pi - 2 pi (j + 1/2) / W: the centre of the picture looks along +x,
+//   Lat-long   pixel (i, j) of an H x W picture covers theta in [i, i+1] pi/H and is centerd
+//              on phi_j = pi - 2 pi (j + 1/2) / W: the center of the picture looks along +x,
 //              +y is a quarter of the width to the left, the top row is +z.
 //   Y_lm       f_lm(theta) e^{i m phi}: complex, orthonormal, Condon-Shortley phase.
 //   Real basis at index l (l+1) + m: sqrt2 Re Y_lm (m > 0), Y_l0, sqrt2 Im Y_l|m| (m < 0).

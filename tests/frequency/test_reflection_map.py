@@ -196,7 +196,7 @@ def test_look_ups_in_any_order_are_those_of_each_point(H, n, bilinear):
         rings=rings,
         cube=False,
         zonal=False,
-        centre="tangent",
+        center="tangent",
         gamma=np.zeros(0),
         axes=C,
         views=V,

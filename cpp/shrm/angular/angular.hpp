@@ -5,10 +5,10 @@
 // A picture is piecewise constant: reflected light is the sum over texels of the radiance times
 // the integral of the transfer function rho_hat over the texel. That integral is a product
 // Gauss rule of subsamples x subsamples nodes in (theta, phi), its weights scaled so that
-// they sum to the texel's exact solid angle; one node is the texel's centre.
+// they sum to the texel's exact solid angle; one node is the texel's center.
 //
 // A BRDF comes as a table, in coordinates in which it is smooth and its horizon is an edge:
-//   radial      u(theta), theta the angle between the light and a centre
+//   radial      u(theta), theta the angle between the light and a center
 //   half angle  u(theta_h) where N.L > 0, theta_h the angle between N and the half vector H
 //   zonal       u(theta_i, theta_o), both from an axis: per query a profile of theta_i
 //   isotropic   rho_hat(theta_v, L) = E(theta_h) * ratio(theta_v, theta_l, phi): E, the
@@ -39,7 +39,7 @@ struct Picture {
     int subsamples;
 };
 
-// Directions at an angle in [inner, outer] from a centre; the rest is left out.
+// Directions at an angle in [inner, outer] from a center; the rest is left out.
 struct Band {
     double inner;
     double outer;
@@ -69,10 +69,10 @@ struct ZonalProfiles {
     int intervals;
 };
 
-// For views at equal places in 1 - sqrt(1 - theta_v 2/pi): the lobe's centre as an angle from the normal,
+// For views at equal places in 1 - sqrt(1 - theta_v 2/pi): the lobe's center as an angle from the normal,
 // away from the view, and the angle about it that is integrated.
 struct Cap {
-    double centre;
+    double center;
     double outer;
 };
 
@@ -92,12 +92,12 @@ struct IsotropicTable {
     int azimuth_intervals;
 };
 
-// Reflected radiance for each centre, a unit vector: out [query][3]. Only lights within `outer` of it, in
+// Reflected radiance for each center, a unit vector: out [query][3]. Only lights within `outer` of it, in
 // radians, are visited.
 void integrate_radial(const Picture& picture, const RadialProfile& profile, double outer,
-                      std::span<const glm::dvec3> centres, std::span<float> out);
+                      std::span<const glm::dvec3> centers, std::span<float> out);
 
-// The same for every texel centre of a lat-long map of map_H x map_W, out [map_H][map_W][3]. The
+// The same for every texel center of a lat-long map of map_H x map_W, out [map_H][map_W][3]. The
 // kernel between a row of the map and a row of the picture depends only on the difference in
 // azimuth: with symmetry it is evaluated once for a row of the map and slid along it, without it angle and
 // profile are evaluated for every pair of texels.

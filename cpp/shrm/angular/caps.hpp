@@ -46,7 +46,7 @@ struct Visit {
     Visit(const LocalFrame& frame, const ViewPlace& place, std::span<const Cap> caps) {
         const Cap& low = caps[size(place.from)];
         const Cap& high = caps[size(place.from) + 1];
-        const double offset = low.centre + place.t * (high.centre - low.centre);
+        const double offset = low.center + place.t * (high.center - low.center);
         outer = std::max(low.outer, high.outer);
         axis = std::cos(offset) * frame.n - std::sin(offset) * frame.x;
         if (outer >= pi / 2) {

@@ -41,7 +41,7 @@ struct Visited {
         scaled = glm::vec3(static_cast<double>(g) * n);
         const LocalFrame frame(n, v);
         const Visit visit(frame, ViewPlace(frame.cos_v, static_cast<int>(caps.size()) - 1), caps);
-        reach.find(nodes, Centre(visit.axis), {0, visit.outer});
+        reach.find(nodes, Center(visit.axis), {0, visit.outer});
         cut = visit.outer + std::acos(std::clamp(glm::dot(n, visit.axis), -1.0, 1.0)) > pi / 2 - 1e-6;
         if (cut) {
             height.resize(columns.cos_phi.size());

@@ -78,7 +78,7 @@ void isotropic_query(const Nodes& nodes, const Planes& planes, const IsotropicTa
              s.slice);
 
     const Visit visit(frame, place, table.caps);
-    s.reach.find(nodes, Centre(visit.axis), {0, visit.outer});
+    s.reach.find(nodes, Center(visit.axis), {0, visit.outer});
     along_columns(nodes, x_axis.x, x_axis.y, 0, s.x);
     along_columns(nodes, y_axis.x, y_axis.y, 0, s.y);
     along_columns(nodes, n.x, n.y, 0, s.z);

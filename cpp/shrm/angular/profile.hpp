@@ -82,7 +82,7 @@ SHRM_INLINE void sum_arc(const Profile& u, const float* azimuth, const float* co
     sum_weighted([&](int j) { return u(ring + span * load(azimuth + j)); }, light, n, sum);
 }
 
-// The same texels from as many centres as there are lanes, each turned by one texel more than the one before:
+// The same texels from as many centers as there are lanes, each turned by one texel more than the one before:
 // none of the lanes is idle, however short the arc. All lanes have one angle, and each finds its weight anew:
 // this is the method of every pair; sliding a kernel finds it once. Every `apart`-th azimuth belongs to light
 // one further.

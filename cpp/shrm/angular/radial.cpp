@@ -12,14 +12,14 @@
 namespace shrm::angular {
 namespace {
 
-// ---- One centre: what it visits, and the sum
+// ---- One center: what it visits, and the sum
 
 // An arc of a row of texels, from column `begin` in [0, W).
 struct Row {
     int i, begin, count;
 };
 
-// The rows of texels about a centre, and what gives z = ring + span azimuth at their nodes.
+// The rows of texels about a center, and what gives z = ring + span azimuth at their nodes.
 struct Visited {
     std::vector<Row> rows;
     std::vector<float> ring, span;  // [H * k]
@@ -27,15 +27,15 @@ struct Visited {
     Reach reach;
 
     void find(const Nodes& nodes, const RadialProfile& profile, double outer, const glm::dvec3& axis) {
-        const Centre centre(axis);
-        along_columns(nodes, -0.5 * std::cos(centre.phi), -0.5 * std::sin(centre.phi), 0.5, azimuth);
+        const Center center(axis);
+        along_columns(nodes, -0.5 * std::cos(center.phi), -0.5 * std::sin(center.phi), 0.5, azimuth);
         for (float& a : azimuth) a = a > 0 ? a : 0;
-        reach.find(nodes, centre, {0, std::min(outer, profile.support)});
+        reach.find(nodes, center, {0, std::min(outer, profile.support)});
         ring.resize(nodes.cos_theta.size());
         span.resize(ring.size());
         for (std::size_t row = size(reach.first * nodes.k); row < size(reach.last * nodes.k); ++row) {
-            ring[row] = static_cast<float>(1 + profile.scale * centre.ring(nodes, row));
-            span[row] = static_cast<float>(profile.scale * centre.span(nodes, row));
+            ring[row] = static_cast<float>(1 + profile.scale * center.ring(nodes, row));
+            span[row] = static_cast<float>(profile.scale * center.span(nodes, row));
         }
         rows.clear();
         for (int i = reach.first; i < reach.last; ++i) {
@@ -114,7 +114,7 @@ bool one_weight(const Nodes& nodes, const RadialProfile& profile) {
 }
 
 template <bool held>
-void integrate_centre(const Nodes& nodes, const Planes& planes, const RadialProfile& profile, double outer,
+void integrate_center(const Nodes& nodes, const Planes& planes, const RadialProfile& profile, double outer,
                       const glm::dvec3& axis, Scratch& s, float* out) {
     s.cap.find(nodes, profile, outer, axis);
     if (one_weight(nodes, profile))
@@ -127,7 +127,7 @@ void integrate_centre(const Nodes& nodes, const Planes& planes, const RadialProf
 
 struct Map {
     int H, W;
-    glm::dvec3 centre(int i, int j) const {
+    glm::dvec3 center(int i, int j) const {
         const double theta = pi / H * (i + 0.5), phi = pi - 2 * pi / W * (j + 0.5);
         return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
     }
@@ -166,7 +166,7 @@ void every_pair(const Nodes& nodes, const Sorted& light, const RadialProfile& pr
                 const Map& map, int i, int first, int step, Visited& cap, float* out) {
     const int apart = light.columns_apart;
     const Cubics<held> u(profile, 0);
-    cap.find(nodes, profile, outer, map.centre(i, first));
+    cap.find(nodes, profile, outer, map.center(i, first));
     for (int t = 0; t < light.period; t += width) {
         Sum sum;
         Lanes single[3] = {};
@@ -291,7 +291,7 @@ void slide(const Nodes& nodes, const Sorted& light, const RadialProfile& profile
     const int rows = std::min(map_rows, map.H - top);
     for (int r = 0; r < map_rows; ++r)
         if (r < rows)
-            s.cap[r].find(nodes, profile, outer, map.centre(top + r, first));
+            s.cap[r].find(nodes, profile, outer, map.center(top + r, first));
         else
             s.cap[r].rows.clear();
     find_kernels<held>(nodes, profile, s);
@@ -308,12 +308,12 @@ void slide(const Nodes& nodes, const Sorted& light, const RadialProfile& profile
 }
 
 template <bool held>
-void centres(const Picture& picture, const RadialProfile& profile, double outer,
+void centers(const Picture& picture, const RadialProfile& profile, double outer,
              std::span<const glm::dvec3> axes, std::span<float> out) {
     const Nodes nodes(picture);
     const Planes planes(picture);
     for_each_query<Scratch>(axes.size(), [&](std::size_t q, Scratch& s) {
-        integrate_centre<held>(nodes, planes, profile, outer, axes[q], s, &out[3 * q]);
+        integrate_center<held>(nodes, planes, profile, outer, axes[q], s, &out[3 * q]);
     });
 }
 
@@ -340,8 +340,8 @@ void whole_map(const Picture& picture, const RadialProfile& profile, double oute
     } else {
         std::vector<glm::dvec3> axes;
         for (int i = 0; i < map.H; ++i)
-            for (int j = 0; j < map.W; ++j) axes.push_back(map.centre(i, j));
-        centres<held>(picture, profile, outer, axes, out);
+            for (int j = 0; j < map.W; ++j) axes.push_back(map.center(i, j));
+        centers<held>(picture, profile, outer, axes, out);
     }
 }
 
@@ -349,7 +349,7 @@ void whole_map(const Picture& picture, const RadialProfile& profile, double oute
 
 void integrate_radial(const Picture& picture, const RadialProfile& profile, double outer,
                       std::span<const glm::dvec3> axes, std::span<float> out) {
-    const auto integrate = profile.segments == held_segments ? centres<true> : centres<false>;
+    const auto integrate = profile.segments == held_segments ? centers<true> : centers<false>;
     integrate(picture, profile, outer, axes, out);
 }
 

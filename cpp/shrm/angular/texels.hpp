@@ -1,5 +1,5 @@
 // The nodes of a picture's texels, and which texels an integral visits: rings and arcs about a
-// centre, so that nothing outside a lobe's width is even tested. Private to angular.
+// center, so that nothing outside a lobe's width is even tested. Private to angular.
 #pragma once
 
 #include <algorithm>
@@ -78,12 +78,12 @@ struct Arcs {
     int count = 0;
 };
 
-// A centre (theta_C, phi_C). The haversine form sin^2(d/2) = ring(theta) + span(theta)
+// A center (theta_C, phi_C). The haversine form sin^2(d/2) = ring(theta) + span(theta)
 // sin^2((phi - phi_C)/2) of the distance d keeps its accuracy for small d in single precision.
-struct Centre {
+struct Center {
     double cos_theta, sin_theta, phi;
 
-    explicit Centre(const glm::dvec3& c) : phi(std::atan2(c.y, c.x)) {
+    explicit Center(const glm::dvec3& c) : phi(std::atan2(c.y, c.x)) {
         const double across = std::hypot(c.x, c.y), length = std::hypot(across, c.z);
         cos_theta = c.z / length;
         sin_theta = across / length;
@@ -108,8 +108,8 @@ inline double asin_sqrt(double v) {
     return v < 0.5 ? angle : pi / 2 - angle;
 }
 
-// Half the arc of azimuth within the angle `within` of the centre, for rows of nodes; -1 if none.
-inline void half_arcs(const Nodes& nodes, const Centre& centre, double within, std::size_t first,
+// Half the arc of azimuth within the angle `within` of the center, for rows of nodes; -1 if none.
+inline void half_arcs(const Nodes& nodes, const Center& center, double within, std::size_t first,
                       std::size_t last, std::vector<double>& half) {
     half.resize(nodes.cos_theta.size());
     double* __restrict out = half.data();
@@ -119,7 +119,7 @@ inline void half_arcs(const Nodes& nodes, const Centre& centre, double within, s
     }
     const double s = std::sin(0.5 * within), s2 = s * s;
     for (std::size_t row = first; row < last; ++row) {
-        const double span = centre.span(nodes, row), rest = s2 - centre.ring(nodes, row);
+        const double span = center.span(nodes, row), rest = s2 - center.ring(nodes, row);
         const double part = rest / (span > 1e-300 ? span : 1e-300);
         const double inside = 2 * asin_sqrt(part < 1 ? (part > 0 ? part : 0) : 1);
         out[row] = rest < 0 ? -1 : inside;
@@ -146,9 +146,9 @@ class Reach {
   public:
     int first = 0, last = 0;  // rows that there is anything in, and maybe their neighbours
 
-    void find(const Nodes& nodes, const Centre& about, const Band& band) {
+    void find(const Nodes& nodes, const Center& about, const Band& band) {
         const double per_radian = nodes.W / (2 * pi), touch = nodes.k > 1 ? 0.5 : 1e-9;
-        const double centre = (pi - about.phi) * per_radian - 0.5, half_turn = 0.5 * nodes.W;
+        const double center = (pi - about.phi) * per_radian - 0.5, half_turn = 0.5 * nodes.W;
         const double theta = std::atan2(about.sin_theta, about.cos_theta), rows_per_radian = nodes.H / pi;
         first = std::max(0, static_cast<int>(std::floor((theta - band.outer) * rows_per_radian)));
         last = std::min(nodes.H, static_cast<int>(std::ceil((theta + band.outer) * rows_per_radian)));
@@ -157,14 +157,14 @@ class Reach {
         of_texels(nodes, outer_, [](double a, double b) { return std::max(a, b); });
         begin_.resize(size(nodes.H));
         end_.resize(size(nodes.H));
-        const int whole = static_cast<int>(std::ceil(centre - half_turn)), W = nodes.W;
+        const int whole = static_cast<int>(std::ceil(center - half_turn)), W = nodes.W;
         const double* __restrict outer = outer_.data();
         int* __restrict begins = begin_.data();
         int* __restrict ends = end_.data();
         for (std::size_t i = from; i < to; ++i) {
             const double half = outer[i] * per_radian + touch;
-            const int begin = static_cast<int>(std::ceil(centre - half));
-            const int end = static_cast<int>(std::floor(centre + half)) + 1;
+            const int begin = static_cast<int>(std::ceil(center - half));
+            const int end = static_cast<int>(std::floor(center + half)) + 1;
             const bool all = end - begin >= W;
             begins[i] = all ? whole : begin;
             ends[i] = all ? whole + W : outer[i] < 0 ? begin : end;
@@ -177,8 +177,8 @@ class Reach {
         of_texels(nodes, inner_, [](double a, double b) { return std::min(a, b); });
         for (std::size_t i = from; i < to; ++i) {
             const double half = inner_[i] * per_radian - touch;
-            const int begin = std::max(begin_[i], static_cast<int>(std::floor(centre - half)) + 1);
-            const int end = std::min(end_[i], static_cast<int>(std::ceil(centre + half)));
+            const int begin = std::max(begin_[i], static_cast<int>(std::floor(center - half)) + 1);
+            const int end = std::min(end_[i], static_cast<int>(std::ceil(center + half)));
             if (inner_[i] <= 0 || end <= begin) continue;
             hole_begin_[i] = begin;
             hole_end_[i] = end;

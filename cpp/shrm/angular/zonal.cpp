@@ -30,10 +30,10 @@ struct Scratch {
 
 void zonal_query(const Nodes& nodes, const Planes& planes, const ZonalProfiles& profiles,
                  const glm::dvec3& axis, const Band& band, Scratch& s, float* out) {
-    const Centre centre(axis);
-    along_columns(nodes, -0.5 * std::cos(centre.phi), -0.5 * std::sin(centre.phi), 0.5, s.azimuth);
+    const Center center(axis);
+    along_columns(nodes, -0.5 * std::cos(center.phi), -0.5 * std::sin(center.phi), 0.5, s.azimuth);
     for (float& a : s.azimuth) a = a > 0 ? a : 0;
-    s.reach.find(nodes, centre, band);
+    s.reach.find(nodes, center, band);
     const std::size_t stride = size(round_up(nodes.W, lanes));
     s.weight.resize(3 * stride);
     const float* w[3];
@@ -50,8 +50,8 @@ void zonal_query(const Nodes& nodes, const Planes& planes, const ZonalProfiles& 
                     const std::size_t node = size(i * nodes.k + a);
                     for (int b = 0; b < nodes.k; ++b)
                         add_profile(weight, s.azimuth.data() + b * row_length(nodes.W) + begin, n,
-                                    static_cast<float>(centre.ring(nodes, node)),
-                                    static_cast<float>(centre.span(nodes, node)),
+                                    static_cast<float>(center.ring(nodes, node)),
+                                    static_cast<float>(center.span(nodes, node)),
                                     static_cast<float>(nodes.row_share[node] * nodes.column_share[size(b)]),
                                     s.profile.data() + c * (profiles.intervals + 2),
                                     static_cast<float>(profiles.intervals));

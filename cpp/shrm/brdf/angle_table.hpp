@@ -15,7 +15,7 @@ enum class Angles {
 };
 
 // The axes run over [0, pi/2], [0, pi/2] and [0, pi]. Nodes lie on both ends and evenly between them, or are
-// the centres of n even bins; beyond the outer centres their values hold. `square_root` spaces the first axis
+// the centers of n even bins; beyond the outer centers their values hold. `square_root` spaces the first axis
 // evenly in the square root of its angle.
 struct AngleAxes {
     Angles angles;

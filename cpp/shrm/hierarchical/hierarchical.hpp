@@ -41,10 +41,10 @@ struct Effort {
     double evaluations;
 };
 
-// Reflected radiance for each centre of a radial lobe, which could hide within `outer` of it: out
+// Reflected radiance for each center of a radial lobe, which could hide within `outer` of it: out
 // [target][3].
 Effort integrate_radial(const Pyramid& pyramid, const angular::RadialProfile& profile, double outer,
-                        const Descent& descent, std::span<const glm::dvec3> centres, std::span<float> out);
+                        const Descent& descent, std::span<const glm::dvec3> centers, std::span<float> out);
 
 // The same for each axis, the view at theta_o, in radians, from it. The lobe could hide within the profiles'
 // bands, and is nothing outside of `supports`, one for each row too.

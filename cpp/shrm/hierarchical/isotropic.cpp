@@ -22,7 +22,7 @@ struct IsotropicKernel {
     bool whole_lobe;
     float above, below;
     Directions x = {}, y = {}, normal = {};
-    Directions centre = {};  // of the lobe
+    Directions center = {};  // of the lobe
     Numbers reach = {};      // of its cap, as half a chord
     Numbers finest = {};
     Numbers view_x = {}, view_z = {};
@@ -32,12 +32,12 @@ struct IsotropicKernel {
     struct Value {
         Lanes u[groups][channels];
         Lanes height[groups];  // N.L
-        Lanes s2[groups];      // half the chord from the lobe's centre, squared
+        Lanes s2[groups];      // half the chord from the lobe's center, squared
     };
     SHRM_INLINE Value at(const Pyramid::Node& node) const {
         Value value;
         for (int k = 0; k < groups; ++k) {
-            value.s2[k] = 0.25f * centre.chord2(k, node);
+            value.s2[k] = 0.25f * center.chord2(k, node);
             const Lanes height = normal.along(k, node);
             value.height[k] = height;
             of_group(k, x.along(k, node), y.along(k, node), height, value.u[k]);
@@ -128,7 +128,7 @@ Effort isotropic(const Pyramid& pyramid, const angular::IsotropicTable& table, c
             kernel.x.set(k, frame.x);
             kernel.y.set(k, frame.y);
             kernel.normal.set(k, frame.n);
-            kernel.centre.set(k, visit.axis);
+            kernel.center.set(k, visit.axis);
             kernel.reach.set(k, std::sin(0.5 * visit.outer));
             // A turn of H out of the plane of N and V turns L by 2 cos(theta_v) of it about the mirror
             // direction; `finest` is for 45 degrees.

@@ -134,11 +134,11 @@ class Cutter {
         const double most = std::max({a.density, b.density, c.density, d.density, top.density, left.density});
         if (most < 0 && depth < most_splits - 1) return;
         if (depth > 0) {
-            const Point centre = point(x, y), right = point(x1, y), bottom = point(x, y1);
-            quad(x0, y0, x, y, {a, top, centre, left}, depth - 1);
-            quad(x, y0, x1, y, {top, b, right, centre}, depth - 1);
-            quad(x, y, x1, y1, {centre, right, c, bottom}, depth - 1);
-            quad(x0, y, x, y1, {left, centre, bottom, d}, depth - 1);
+            const Point center = point(x, y), right = point(x1, y), bottom = point(x, y1);
+            quad(x0, y0, x, y, {a, top, center, left}, depth - 1);
+            quad(x, y0, x1, y, {top, b, right, center}, depth - 1);
+            quad(x, y, x1, y1, {center, right, c, bottom}, depth - 1);
+            quad(x0, y, x, y1, {left, center, bottom, d}, depth - 1);
             return;
         }
         // A seam of the other picture, or the edge of the own one's domain.

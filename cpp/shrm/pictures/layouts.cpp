@@ -158,7 +158,7 @@ double Disc::density(double r2) const {
 
 Ray Disc::ray(double x, double y) const {
     const double radius = size_ / 2.0;
-    const double s = (x - centre(x)) / radius, t = 1 - y / radius, r2 = s * s + t * t;
+    const double s = (x - center(x)) / radius, t = 1 - y / radius, r2 = s * s + t * t;
     if (r2 > 1) return {X, -1};
     const double solid = density(r2);
     double cosine = 0, sine_over_r = 0;
@@ -176,7 +176,7 @@ Ray Disc::ray(double x, double y) const {
             sine_over_r = 2 / (1 + r2);
             break;
     }
-    const Frame f = frame_of(kind_, centre(x) > size_);
+    const Frame f = frame_of(kind_, center(x) > size_);
     return {cosine * f.forward + sine_over_r * (s * f.right + t * f.up), solid / square(radius)};
 }
 
@@ -203,9 +203,9 @@ dvec2 Disc::position(const dvec3& d) const {
 }
 
 Box Disc::box(int i, int j) const {
-    const double radius = size_ / 2.0, middle = centre(j + 0.5);
+    const double radius = size_ / 2.0, middle = center(j + 0.5);
     const double x0 = j - middle, x1 = x0 + 1, y0 = i - radius, y1 = y0 + 1;
-    // How far the disc reaches in x, at the texel's y that is nearest to the centre; and in y.
+    // How far the disc reaches in x, at the texel's y that is nearest to the center; and in y.
     const double reach_x = std::sqrt(std::max(0.0, square(radius) - square(std::clamp(0.0, y0, y1))));
     const double reach_y = std::sqrt(std::max(0.0, square(radius) - square(std::clamp(0.0, x0, x1))));
     return {middle + std::max(x0, -reach_x), radius + std::max(y0, -reach_y), middle + std::min(x1, reach_x),
@@ -215,7 +215,7 @@ Box Disc::box(int i, int j) const {
 double Disc::solid_angle(int i, int j) const {
     // By symmetry in the first quadrant; a texel across an axis is two mirror images.
     const double radius = size_ / 2.0;
-    double x0 = (j - centre(j + 0.5)) / radius, x1 = (j + 1 - centre(j + 0.5)) / radius;
+    double x0 = (j - center(j + 0.5)) / radius, x1 = (j + 1 - center(j + 0.5)) / radius;
     double y0 = (i - radius) / radius, y1 = (i + 1 - radius) / radius;
     const auto fold = [](double& a, double& b) {
         if (b <= 0) a = -std::exchange(b, -a);

@@ -8,7 +8,7 @@
 // Seen from inside the sphere no layout is mirrored.
 //
 // Debevec's axes, X right, Y up, -Z forward, are (x, y, z) here = (-Z, -X, Y) there: forward is
-// the centre of the lat-long picture, +x; right is -y.
+// the center of the lat-long picture, +x; right is -y.
 #pragma once
 
 #include <array>
@@ -35,7 +35,7 @@ struct Box {
 };
 
 // Latitude and longitude as core.hpp states them. `inset` is 0, or 1/2 for OpenEXR's `envmap`
-// files, whose texel *centres* lie on the edges: their outermost texels are cut in half, and the
+// files, whose texel *centers* lie on the edges: their outermost texels are cut in half, and the
 // first and the last column show the same meridian.
 class LatLong {
   public:
@@ -83,7 +83,7 @@ class Cube {
 // Discs of diameter `size`, in which the angle from the axis grows with the radius r in [0, 1].
 class Disc {
   public:
-    // angular       Debevec's light probe, angle = pi r: the centre looks along +x, right is
+    // angular       Debevec's light probe, angle = pi r: the center looks along +x, right is
     //               -y, up is +z, the rim is -x.
     // mirror_ball   angle = 2 asin r, as on a mirrored ball, with the axes of the light probe; every
     //               texel of the disc has the same solid angle. (A photograph of a real ball shows
@@ -102,11 +102,11 @@ class Disc {
     Kind kind_;
     int size_;
     double density(double r_squared) const;  // steradians per unit of area of the unit disc
-    double centre(double x) const { return size_ * (x < size_ || kind_ != Kind::paraboloids ? 0.5 : 1.5); }
+    double center(double x) const { return size_ * (x < size_ || kind_ != Kind::paraboloids ? 0.5 : 1.5); }
     double quadrature(double x0, double x1, double y0, double y1) const;
 };
 
-// The octahedron |x| + |y| + |z| = 1 unfolded into a square [ED08]: the centre looks along +z,
+// The octahedron |x| + |y| + |z| = 1 unfolded into a square [ED08]: the center looks along +z,
 // right is -y, up is -x, the corners are -z.
 class Octahedral {
   public:
@@ -124,13 +124,13 @@ using Layout = std::variant<LatLong, Cube, Disc, Octahedral>;
 
 // The names, in the order in which they are documented:
 //   latlong             H x W, core.hpp
-//   openexr-latlong     H x W, the same axes, texel centres on the edges
+//   openexr-latlong     H x W, the same axes, texel centers on the edges
 //   vertical-cross      4n x 3n: top / left front right / bottom / back turned by 180 degrees
 //   horizontal-cross    3n x 4n: top / left front right back / bottom
 //   strip               n x 6n or 6n x n in OpenGL's order +X -X +Y -Y +Z -Z with its pictures;
 //                       +Z is front (+x here), +X is right (-y), +Y is up (+z)
 //   openexr-cube        6n x n, the same order, OpenEXR's axes and pictures, (x, y, z) here =
-//                       (Z, X, Y) there, texel centres on the edges
+//                       (Z, X, Y) there, texel centers on the edges
 //   angular, mirror-ball, octahedral   n x n
 //   dual-paraboloid     n x 2n
 //

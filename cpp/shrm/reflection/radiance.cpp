@@ -40,12 +40,12 @@ void gather(std::span<const glm::dvec3> from, const std::size_t (&index)[8], Dir
 }
 
 // The central directions of eight normals N and views V, and their effect on the views: see radiance.hpp.
-void central_directions(Centre centre, std::span<const double> gamma, const Directions& N, Directions& V,
+void central_directions(Center center, std::span<const double> gamma, const Directions& N, Directions& V,
                         Directions& C) {
     C = N;
-    if (centre == Centre::tangent) return;
+    if (center == Center::tangent) return;
     const d8 cosine = N.x * V.x + N.y * V.y + N.z * V.z;
-    if (centre == Centre::reflection) {
+    if (center == Center::reflection) {
         C = {2 * cosine * N.x - V.x, 2 * cosine * N.y - V.y, 2 * cosine * N.z - V.z};
         return;
     }
@@ -56,7 +56,7 @@ void central_directions(Centre centre, std::span<const double> gamma, const Dire
     const d8 inverse = 1 / (sine < 1e-12 ? 1 + d8{} : sine);
     V = {below ? inverse * across.x : V.x, below ? inverse * across.y : V.y,
          below ? inverse * across.z : V.z};
-    if (centre == Centre::normal) return;
+    if (center == Center::normal) return;
     d8 theta_v, angle, cos_angle, sin_angle;
     arc_tangent(sine, cosine, theta_v);
     for (int u = 0; u < 8; ++u) {
@@ -91,7 +91,7 @@ struct Look {
     int row, column;
 };
 
-// Rows and columns, in texels from the centre of the first, of eight directions on a lat-long map.
+// Rows and columns, in texels from the center of the first, of eight directions on a lat-long map.
 void latlong_position(int H, int W, const Directions& C, d8& row, d8& column) {
     d8 sine, theta, phi;
     square_root(C.x * C.x + C.y * C.y, sine);
@@ -255,13 +255,13 @@ class Block {
 
     // Calls directions(i, N, V) for the normals and views of the points i to i + 7.
     template <class Directions_of>
-    void locate(std::size_t count, Centre centre, std::span<const double> gamma, bool bilinear,
+    void locate(std::size_t count, Center center, std::span<const double> gamma, bool bilinear,
                 const Directions_of& directions_of) {
         looks_.resize(count);
         for (std::size_t i = 0; i < count; i += 8) {
             Directions N, V, C;
             directions_of(i, N, V);
-            central_directions(centre, gamma, N, V, C);
+            central_directions(center, gamma, N, V, C);
             Look eight[8];
             look(map_, C, V, bilinear, eight);
             std::copy_n(eight, std::min<std::size_t>(8, count - i), &looks_[i]);
@@ -321,7 +321,7 @@ class Block {
 
 }  // namespace
 
-void add_radiance(const ReflectionMapView& map, Centre centre, std::span<const double> gamma,
+void add_radiance(const ReflectionMapView& map, Center center, std::span<const double> gamma,
                   std::span<const glm::dvec3> axes, std::span<const glm::dvec3> views, bool bilinear,
                   std::span<float> radiance) {
     const std::size_t n = axes.size(), threads = size(omp_get_max_threads());
@@ -334,7 +334,7 @@ void add_radiance(const ReflectionMapView& map, Centre centre, std::span<const d
         for (std::ptrdiff_t number = 0; number < blocks; ++number) {
             const std::size_t first = static_cast<std::size_t>(number) * length,
                               count = std::min(length, n - first);
-            block.locate(count, centre, gamma, bilinear, [&](std::size_t i, Directions& N, Directions& V) {
+            block.locate(count, center, gamma, bilinear, [&](std::size_t i, Directions& N, Directions& V) {
                 std::size_t at[8], view[8];
                 for (std::size_t u = 0; u < 8; ++u) {
                     at[u] = first + std::min(i + u, count - 1);

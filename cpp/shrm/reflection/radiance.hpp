@@ -9,7 +9,7 @@
 
 namespace shrm {
 
-enum class Centre { reflection, normal, tangent, lobe };
+enum class Center { reflection, normal, tangent, lobe };
 
 // radiance (n, 3) += sum_pq B~_pq(C) Y_pq(V)   [RH02] eq. 7, or sum_p B_p0(C) Y_p0(C.V), eq. 6, if zonal.
 //
@@ -20,7 +20,7 @@ enum class Centre { reflection, normal, tangent, lobe };
 //   axes   the normals, or the tangents of a lobe about the tangent
 //   views  n directions, or one for all
 // Interpolation is by the four-point Lagrange polynomial in both directions, across the poles, or bilinear.
-void add_radiance(const ReflectionMapView& map, Centre centre, std::span<const double> gamma,
+void add_radiance(const ReflectionMapView& map, Center center, std::span<const double> gamma,
                   std::span<const glm::dvec3> axes, std::span<const glm::dvec3> views, bool bilinear,
                   std::span<float> radiance);
 

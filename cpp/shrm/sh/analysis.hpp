@@ -14,7 +14,7 @@ namespace shrm {
 
 // What a texel stands for (and so the quadrature of the analysis).
 enum class Texel {
-    sample,  // the value at its centre: Fejer's first rule, exact for degrees F <= H/2 - 1
+    sample,  // the value at its center: Fejer's first rule, exact for degrees F <= H/2 - 1
     area     // a constant over its area: the exact integral of Y_lm over each texel
 };
 

@@ -22,7 +22,7 @@ class CubeSynthesis {
     // Faces of N x N texels, N even, with the border of radiance.hpp.
     CubeSynthesis(int N, int channels, int F);
 
-    // Values at the texel centres.
+    // Values at the texel centers.
     //   coefficients ((F+1)^2, channels), real basis; rings (6 (N + 4), channels, N + 4)
     void run(std::span<const double> coefficients, std::span<float> rings);
 

@@ -18,7 +18,7 @@ class Synthesis {
   public:
     Synthesis(int H, int W, int channels, int F, Tables tables);
 
-    // Values at the texel centres.
+    // Values at the texel centers.
     //   coefficients ((F+1)^2, channels), real basis; rings (H, channels, W)
     void run(std::span<const double> coefficients, std::span<float> rings);
 

@@ -94,7 +94,7 @@ def add_radiance(
     rings: F32 | F16,
     cube: bool,
     zonal: bool,
-    centre: str,
+    center: str,
     gamma: F64,
     axes: F64,
     views: F64,
@@ -117,7 +117,7 @@ def angular_radial(
     scale: float,
     support: float,
     outer: float,
-    centres: F64,
+    centers: F64,
 ) -> F32: ...
 def angular_radial_map(
     *,
@@ -171,7 +171,7 @@ def hierarchical_radial(
     threshold: float,
     integral: float,
     finest: float,
-    centres: F64,
+    centers: F64,
 ) -> tuple[F32, float]: ...
 def hierarchical_zonal(
     *,

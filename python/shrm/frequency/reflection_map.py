@@ -132,7 +132,7 @@ class ReflectionMap(Reflection):
                 rings=part.rings,
                 cube=part.layout == "cube",
                 zonal=part.zonal,
-                centre=part.center,
+                center=part.center,
                 gamma=part.gamma,
                 axes=T if part.center == "tangent" else N,
                 views=V,

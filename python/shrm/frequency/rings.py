@@ -87,7 +87,7 @@ class Rings:
             rings=self.rings,
             cube=self.layout == "cube",
             zonal=zonal,
-            centre="tangent",  # the axis is C itself
+            center="tangent",  # the axis is C itself
             gamma=np.zeros(0),
             axes=C,
             views=views,

@@ -109,7 +109,7 @@ class RadialIntegral:
 
     def about(self, picture: dict[str, Any], centers: FloatArray) -> Float32Array:
         """Radiance (n, 3) for centers (n, 3)."""
-        return np.asarray(_core.angular_radial(**picture, **self._table, centres=centers))
+        return np.asarray(_core.angular_radial(**picture, **self._table, centers=centers))
 
     def map(self, picture: dict[str, Any], height: int, width: int, symmetry: bool) -> Float32Array:
         """Radiance (height, width, 3) for centers on a lat-long grid, by symmetry about its axis or not."""

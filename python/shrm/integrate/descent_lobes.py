@@ -169,7 +169,7 @@ class RadialDescent:
             support=self.support,
             outer=float(np.interp(1.0 - left_out, self.within[:, 1], self.within[:, 0])),
             **_depth(threshold, self.integral, FINEST * self.width),
-            centres=central_directions(self.center, n, v, t),
+            centers=central_directions(self.center, n, v, t),
         )
 
     def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
