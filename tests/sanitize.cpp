@@ -226,6 +226,7 @@ void radiance() {
                         shrm::add_radiance(map, center, gamma, normals, std::span(views).first(1), bilinear,
                                            values);
                     }
+                    shrm::add_looked_up(map, normals, views, bilinear, values);
                     shrm::view_map(map, views[1], pixels);
                     if (!zonal) {
                         std::vector<float> many(2 * 2 * pixels.size());

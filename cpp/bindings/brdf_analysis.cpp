@@ -6,8 +6,8 @@ namespace shrm::bindings {
 namespace {
 
 Array<double> legendre(int F, int m, const Array<double>& theta) {
-    require_degree("F", F);
-    require_degree("m", m);
+    require_at_least("F", F, 0);
+    require_at_least("m", m, 0);
     require_shape(theta, "theta", {any});
     auto values = allocate<double>({F + 1, theta.shape(0)});
     shrm::legendre(F, m, view(theta), view(values));
@@ -40,8 +40,8 @@ py::tuple project(const Array<double>& rho_hat, const Array<double>& theta_i,
     require_shape(arc, "arc", {views, I});
     require_shape(share, "share", {K});
     require_shape(weight_share, "weight_share", {K});
-    require_degree("L", L);
-    require_degree("Q", Q);
+    require_at_least("L", L, 0);
+    require_at_least("Q", Q, 0);
     const TransferTable table{.views = extent(rho_hat, 0),
                               .K = extent(rho_hat, 1),
                               .I = extent(rho_hat, 2),

@@ -11,7 +11,7 @@ namespace {
 
 std::unique_ptr<Pyramid> pyramid_of(const Array<float>& pixels) {
     require_shape(pixels, "pixels", {any, any, 3});
-    if (pixels.size() == 0) throw py::value_error("pixels are none");
+    if (pixels.size() == 0) refuse("pixels", "have at least one texel", shape_text(pixels));
     const auto in = view(pixels);
     const py::gil_scoped_release release;
     return std::make_unique<Pyramid>(in, extent(pixels, 0), extent(pixels, 1));
@@ -59,7 +59,8 @@ py::tuple descend_isotropic(const Pyramid& pyramid, const Array<float>& envelope
                             const Array<double>& caps, double threshold, double integral, double finest,
                             const Array<double>& normals, const Array<double>& views, double above,
                             double below) {
-    if (!(above >= 0 && below > 0)) throw py::value_error("above must be at least 0, below above 0");
+    if (!(above >= 0)) refuse("above", "be at least 0", above);
+    require_positive("below", below);
     const auto ranges = caps_of(caps, ratio.shape(0));
     const auto table = isotropic_of(envelope, ratio, ranges, true);
     const auto n = unit_vectors(normals, "normals"), v = unit_vectors(views, "views");

@@ -10,8 +10,9 @@
 
 namespace shrm::bindings {
 
-inline std::vector<glm::dvec3> unit_vectors(const Array<double>& array, const char* name) {
-    require_shape(array, name, {any, 3});
+inline std::vector<glm::dvec3> unit_vectors(const Array<double>& array, const char* name,
+                                            py::ssize_t count = any) {
+    require_shape(array, name, {count, 3});
     const auto a = array.unchecked<2>();
     std::vector<glm::dvec3> result(static_cast<std::size_t>(a.shape(0)));
     for (py::ssize_t k = 0; k < a.shape(0); ++k)
@@ -19,21 +20,18 @@ inline std::vector<glm::dvec3> unit_vectors(const Array<double>& array, const ch
     return result;
 }
 
-inline void require_channels(int channels) {
-    if (channels != 1 && channels != 3)
-        throw py::value_error("a table has 1 or 3 channels, not " + std::to_string(channels));
-}
-
 inline angular::RadialProfile profile_of(const Array<float>& profile, int shift, double scale,
                                          double support) {
     require_shape(profile, "profile", {any, 4, any});
-    require_channels(extent(profile, 0));
+    require_channels(profile.shape(0), "profile");
     const int segments = extent(profile, 2);
-    if (shift < 0 || shift > 22 || segments < 32 || (segments & (segments - 1)) != 0)
-        throw py::value_error(
-            "profile needs a power of two of segments, at least 32, and a shift in [0, 22]");
-    if (segments >> (23 - shift) > 100) throw py::value_error("profile covers more octaves than a float has");
-    if (!(scale > 0) || !(support > 0)) throw py::value_error("scale and support must be positive");
+    require_in("shift", shift, 0, 22);
+    if (segments < 32 || (segments & (segments - 1)) != 0)
+        refuse("profile", "have a power of two of segments, 32 or more", segments);
+    if (segments >> (23 - shift) > 100)
+        refuse("profile", "have segments for at most 100 octaves", segments >> (23 - shift));
+    require_positive("scale", scale);
+    require_positive("support", support);
     return {view(profile), extent(profile, 0), segments, shift, scale, support};
 }
 
@@ -46,7 +44,7 @@ inline std::vector<angular::Band> bands_of(const Array<double>& bands, const cha
 
 inline std::vector<angular::Cap> caps_of(const Array<double>& caps, py::ssize_t views) {
     require_shape(caps, "caps", {views, 2});
-    if (extent(caps, 0) < 2) throw py::value_error("caps needs at least 2 view nodes");
+    require_at_least("the number of caps", extent(caps, 0), 2);
     std::vector<angular::Cap> result;
     for (py::ssize_t k = 0; k < caps.shape(0); ++k) result.push_back({caps.at(k, 0), caps.at(k, 1)});
     return result;
@@ -55,9 +53,9 @@ inline std::vector<angular::Cap> caps_of(const Array<double>& caps, py::ssize_t 
 // `bands` has to outlive it.
 inline angular::ZonalProfiles zonal_of(const Array<float>& profiles, std::span<const angular::Band> bands) {
     require_shape(profiles, "profiles", {any, any, any});
-    require_channels(extent(profiles, 1));
-    if (extent(profiles, 0) < 2 || extent(profiles, 2) < 3)
-        throw py::value_error("profiles needs at least 2 rows and 3 nodes");
+    require_channels(profiles.shape(1), "profiles");
+    require_at_least("the number of profiles", extent(profiles, 0), 2);
+    require_at_least("the number of a profile's nodes", extent(profiles, 2), 3);
     return {view(profiles), bands, extent(profiles, 0), extent(profiles, 1), extent(profiles, 2) - 2};
 }
 
@@ -70,12 +68,12 @@ inline angular::IsotropicTable isotropic_of(const Array<float>& envelope, const 
     else
         require_shape(envelope, "envelope", {any});
     require_shape(ratio, "ratio", {any, any, any, any});
-    require_channels(extent(ratio, 1));
+    require_channels(ratio.shape(1), "ratio");
     const int nodes = extent(envelope, of_channels ? 1 : 0);
-    if (nodes < 3 || extent(ratio, 0) < 2 || extent(ratio, 2) < 3 || extent(ratio, 3) < 3)
-        throw py::value_error("envelope and ratio need at least one interval along each axis");
-    if (of_channels && extent(envelope, 0) != 1 && extent(envelope, 0) != extent(ratio, 1))
-        throw py::value_error("envelope needs one row, or one for each channel");
+    require_at_least("the number of the envelope's nodes", nodes, 3);
+    require_at_least("the number of the ratio's views", extent(ratio, 0), 2);
+    for (int axis : {2, 3}) require_at_least("the number of the ratio's nodes", extent(ratio, axis), 3);
+    if (of_channels && extent(envelope, 0) != 1) require_shape(envelope, "envelope", {ratio.shape(1), nodes});
     return {view(envelope),       view(ratio),         caps,
             extent(ratio, 1),     nodes - 2,           extent(ratio, 0) - 1,
             extent(ratio, 2) - 2, extent(ratio, 3) - 2};

@@ -18,7 +18,7 @@ StridedVectors strided(const Directions& array, const char* name) {
     const py::ssize_t row = array.strides(0), component = array.strides(1);
     constexpr py::ssize_t width = sizeof(double);
     if (row % width != 0 || component % width != 0)
-        throw py::value_error(std::string(name) + " is not aligned to its numbers");
+        refuse(name, "have strides in whole numbers", shape_text({array.strides(), 2}) + " bytes");
     return {array.data(), row / width, component / width};
 }
 
@@ -29,9 +29,8 @@ DirectionPairs pairs_of(const Directions& wi, const Directions& wo) {
 }
 
 AngleAxes axes_of(const std::string& axes, const std::array<int, 3>& shape, bool square_root, bool centers) {
-    for (int n : shape)
-        if (n < 2) throw py::value_error("an axis of a table of angles has at least two nodes");
-    if (axes != "angles" && axes != "half-angle") throw py::value_error("axes is " + axes);
+    for (int n : shape) require_at_least("the number of the table's nodes", n, 2);
+    if (axes != "angles" && axes != "half-angle") refuse("axes", "be angles or half-angle", axes);
     return {axes == "angles" ? Angles::difference : Angles::half,
             {shape[0], shape[1], shape[2]},
             square_root,
@@ -42,8 +41,7 @@ template <class T>
 Array<double> interpolate_angles(const Array<T>& table, const std::string& axes, bool square_root,
                                  bool centers, const Directions& wi, const Directions& wo) {
     require_shape(table, "table", {any, any, any, any});
-    const int channels = extent(table, 3);
-    if (channels != 1 && channels != 3) throw py::value_error("a table of angles has 1 or 3 channels");
+    const int channels = require_channels(table.shape(3), "table");
     const AngleAxes of_table =
         axes_of(axes, {extent(table, 0), extent(table, 1), extent(table, 2)}, square_root, centers);
     const DirectionPairs pairs = pairs_of(wi, wo);
@@ -69,7 +67,7 @@ Array<std::int64_t> nearest_angles(const std::array<int, 3>& shape, const std::s
 AdaptiveParameterization::Square square(const py::array& array, const char* name, int rows, int columns) {
     const AdaptiveParameterization::Square extents{extent(array, rows), extent(array, columns)};
     if (extents.rows < 2 || extents.columns < 2)
-        throw py::value_error(std::string(name) + " has at least two rows and two columns");
+        refuse(name, "have at least two rows and two columns", shape_text(array));
     return extents;
 }
 
@@ -79,13 +77,13 @@ std::unique_ptr<AdaptiveParameterization> adaptive_parameterization(const Array<
                                                                     const Array<float>& ndf,
                                                                     const Array<float>& sigma) {
     require_shape(theta_i, "theta_i", {any});
-    if (theta_i.shape(0) < 1) throw py::value_error("theta_i is empty");
+    require_at_least("the number of theta_i", theta_i.shape(0), 1);
     require_shape(vndf, "vndf", {theta_i.shape(0), any, any});
     require_shape(values, "values", {theta_i.shape(0), any, any, 3});
     require_shape(ndf, "ndf", {any, any});
     require_shape(sigma, "sigma", {any});
     const bool has_ndf = ndf.size() > 0;
-    if (has_ndf && sigma.shape(0) < 2) throw py::value_error("sigma has at least two values");
+    if (has_ndf) require_at_least("the number of sigma's values", sigma.shape(0), 2);
     return std::make_unique<AdaptiveParameterization>(
         view(theta_i), view(vndf), square(vndf, "vndf", 1, 2), view(values), square(values, "values", 1, 2),
         view(ndf), has_ndf ? square(ndf, "ndf", 0, 1) : AdaptiveParameterization::Square{}, view(sigma));

@@ -3,6 +3,7 @@
 // a ValueError. Python has checked its users' input already; this ring guards memory.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <span>
@@ -22,24 +23,39 @@ using Array = py::array_t<T, py::array::c_style>;
 
 inline constexpr py::ssize_t any = -1;
 
+inline std::string shape_text(std::span<const py::ssize_t> shape) {
+    std::string text = "(";
+    for (const py::ssize_t& extent : shape)
+        text += (&extent == shape.data() ? "" : ", ") + (extent == any ? "n" : std::to_string(extent));
+    return text + (shape.size() == 1 ? ",)" : ")");
+}
+inline std::string shape_text(const py::array& array) {
+    return shape_text({array.shape(), static_cast<std::size_t>(array.ndim())});
+}
+
+// Every refusal says what an argument must be, and what it was: "`name` must `be or have`, got `value`".
+[[noreturn]] inline void refuse(const char* name, const std::string& must, const std::string& got) {
+    throw py::value_error(std::string(name) + " must " + must + ", got " + got);
+}
+template <class Number>
+[[noreturn]] void refuse(const char* name, const std::string& must, Number got) {
+    refuse(name, must, py::str(py::cast(got)).template cast<std::string>());
+}
+
+[[noreturn]] inline void refuse_type(const char* name, const std::string& must, const py::array& got) {
+    throw py::type_error(std::string(name) + " must " + must + ", got " +
+                         py::str(got.dtype()).cast<std::string>() + " in strides of " +
+                         shape_text({got.strides(), static_cast<std::size_t>(got.ndim())}) + " bytes");
+}
+
 // Throws ValueError unless array has exactly this shape; `any` leaves an extent open.
 inline void require_shape(const py::array& array, const char* name, const std::vector<py::ssize_t>& shape) {
-    bool fits = array.ndim() == static_cast<py::ssize_t>(shape.size());
-    py::ssize_t axis = 0;
-    for (py::ssize_t extent : shape) {
-        fits = fits && (extent == any || array.shape(axis) == extent);
-        ++axis;
-    }
-    if (fits) return;
-    const auto text = [](auto begin, auto end) {
-        std::string s = "(";
-        for (auto it = begin; it != end; ++it)
-            s += (it == begin ? "" : ", ") + (*it < 0 ? std::string("n") : std::to_string(*it));
-        return s + ")";
+    const std::span<const py::ssize_t> found(array.shape(), static_cast<std::size_t>(array.ndim()));
+    const auto fits = [](py::ssize_t extent, py::ssize_t needed) {
+        return needed == any || extent == needed;
     };
-    throw py::value_error(std::string(name) + " has shape " +
-                          text(array.shape(), array.shape() + array.ndim()) + ", but needs " +
-                          text(shape.begin(), shape.end()));
+    if (!std::ranges::equal(found, shape, fits))
+        refuse(name, "have the shape " + shape_text(shape), shape_text(found));
 }
 
 template <class T>
@@ -65,6 +81,16 @@ inline std::span<glm::dvec3> vectors(Array<double>& array) {
     return {reinterpret_cast<glm::dvec3*>(array.mutable_data()), static_cast<std::size_t>(array.size()) / 3};
 }
 
+// A new array of this shape, which fill(its memory) fills while other threads of Python run.
+template <class T, class Fill>
+Array<T> filled(std::initializer_list<py::ssize_t> shape, const Fill& fill) {
+    Array<T> array = allocate<T>(shape);
+    const auto values = view(array);
+    const py::gil_scoped_release release;
+    fill(values);
+    return array;
+}
+
 inline py::ssize_t ssize(std::size_t n) {
     return static_cast<py::ssize_t>(n);
 }
@@ -73,15 +99,23 @@ inline int extent(const py::array& array, int axis) {
     return static_cast<int>(array.shape(axis));
 }
 
-inline void require_positive(const char* name, int value) {
-    if (value < 1)
-        throw py::value_error(std::string(name) + " is " + std::to_string(value) + ", but must be positive");
+inline void require_at_least(const char* name, py::ssize_t value, py::ssize_t least) {
+    if (value < least) refuse(name, "be at least " + std::to_string(least), value);
 }
 
-inline void require_degree(const char* name, int value) {
-    if (value < 0)
-        throw py::value_error(std::string(name) + " is " + std::to_string(value) +
-                              ", but must not be negative");
+inline void require_in(const char* name, py::ssize_t value, py::ssize_t least, py::ssize_t most) {
+    if (value < least || value > most)
+        refuse(name, "be in [" + std::to_string(least) + ", " + std::to_string(most) + "]", value);
+}
+
+inline void require_positive(const char* name, double value) {
+    if (!(value > 0)) refuse(name, "be positive", value);
+}
+
+// One channel, or red, green and blue.
+inline int require_channels(py::ssize_t channels, const char* name) {
+    if (channels != 1 && channels != 3) refuse(name, "have 1 or 3 channels", channels);
+    return static_cast<int>(channels);
 }
 
 // F of an array of shape ((F+1)^2, channels).
@@ -90,8 +124,7 @@ inline int degree_of(const Array<double>& coefficients, const char* name) {
     const auto side =
         static_cast<py::ssize_t>(std::lround(std::sqrt(static_cast<double>(coefficients.shape(0)))));
     if (side < 1 || side * side != coefficients.shape(0))
-        throw py::value_error(std::string(name) + " has " + std::to_string(coefficients.shape(0)) +
-                              " rows, but needs (F+1)^2");
+        refuse(name, "have (F+1)^2 rows", coefficients.shape(0));
     return static_cast<int>(side) - 1;
 }
 

@@ -27,8 +27,8 @@ Orders require_orders(const Array<double>& light, const Array<double>& rho) {
 
 Array<float> local_reflection_map(const Array<double>& light, const Array<double>& rho, int H, int W) {
     const auto [F, P, channels] = require_orders(light, rho);
-    require_positive("H", H);
-    require_positive("W", W);
+    require_at_least("H", H, 1);
+    require_at_least("W", W, 1);
     auto rings = allocate<float>({H, ssize(basis_size(P)), channels, W});
     const auto L = view(light), r = view(rho);
     const auto out = view(rings);
@@ -42,7 +42,7 @@ Array<float> global_from_local(const Array<float>& local) {
     const int H = extent(local, 0), W = extent(local, 3), channels = extent(local, 2);
     const int P = static_cast<int>(std::lround(std::sqrt(static_cast<double>(local.shape(1))))) - 1;
     if (P < 0 || basis_size(P) != static_cast<std::size_t>(local.shape(1)))
-        throw py::value_error("local has " + std::to_string(local.shape(1)) + " maps, but needs (P+1)^2");
+        refuse("local", "have (P+1)^2 maps", local.shape(1));
     auto global = allocate<float>({H, local.shape(1), channels, W});
     const auto in = view(local);
     const auto out = view(global);
@@ -89,9 +89,9 @@ struct MapCoefficientsPlan {
 };
 
 std::unique_ptr<MapCoefficientsPlan> map_coefficients_plan(int F, int P, int channels, bool zonal) {
-    require_degree("F", F);
-    require_degree("P", P);
-    require_positive("channels", channels);
+    require_at_least("F", F, 0);
+    require_at_least("P", P, 0);
+    require_at_least("channels", channels, 1);
     return std::unique_ptr<MapCoefficientsPlan>(
         new MapCoefficientsPlan{F, P, channels, {F, P, channels, zonal}, {}});
 }
@@ -113,26 +113,28 @@ int require_rows(const py::array& array, const char* name) {
     }
     if (pitch == 0 && last >= 0) pitch = array.shape(last);
     regular = regular && pitch >= array.shape(last);
-    if (!regular)
-        throw py::type_error(std::string(name) + " must be contiguous, or in rows equally far apart");
+    if (!regular) refuse_type(name, "be contiguous, or in rows equally far apart", array);
     return static_cast<int>(pitch);
 }
 
 ReflectionMapView require_map(const py::array& rings, bool cube, bool zonal) {
     const bool half = is_half(rings);
     if (!half && !py::isinstance<Array<float>>(rings))
-        throw py::type_error("rings must be contiguous arrays of float32, or rows of float16");
+        refuse_type("rings", "be a contiguous array of float32, or rows of float16", rings);
     require_shape(rings, "rings", {any, any, 3, any});
     const int pitch = require_rows(rings, "rings");
     const int H = extent(rings, 0), W = extent(rings, 3), maps = extent(rings, 1);
     const int P = zonal ? maps - 1 : static_cast<int>(std::lround(std::sqrt(maps))) - 1;
     ReflectionMapView map{cube ? MapLayout::cube : MapLayout::latlong, H, W, pitch, P, zonal, {}, {}};
     if (P < 0 || P > largest_P || map.maps() != maps)
-        throw py::value_error("rings has " + std::to_string(maps) + " maps, but needs (P+1)^2, or P+1 if " +
-                              "zonal, and P <= " + std::to_string(largest_P));
+        refuse("rings",
+               std::string("have ") + (zonal ? "P+1" : "(P+1)^2") + " maps, P at most " +
+                   std::to_string(largest_P),
+               maps);
     if (cube ? W <= 2 * cube_border || H != 6 * W : H < 2 || W < 4 || W % 2 != 0)
-        throw py::value_error("rings has " + std::to_string(H) + " rows of " + std::to_string(W) +
-                              " texels, which is no reflection map");
+        refuse("rings",
+               cube ? "have six bordered faces of square texels" : "have rows of an even number of texels",
+               shape_text(rings));
     const auto count = static_cast<std::size_t>(rings.size() / W * pitch);
     if (half)
         map.halves = {static_cast<const std::uint16_t*>(rings.data()), count};
@@ -146,7 +148,7 @@ Center center_of(const std::string& name) {
     if (name == "normal") return Center::normal;
     if (name == "tangent") return Center::tangent;
     if (name == "lobe") return Center::lobe;
-    throw py::value_error("unknown center " + name);
+    refuse("center", "be reflection, normal, tangent or lobe", name);
 }
 
 void add_radiance(const py::array& rings, bool cube, bool zonal, const std::string& center,
@@ -155,7 +157,7 @@ void add_radiance(const py::array& rings, bool cube, bool zonal, const std::stri
     const ReflectionMapView map = require_map(rings, cube, zonal);
     const Center about = center_of(center);
     require_shape(gamma, "gamma", {any});
-    if (about == Center::lobe && gamma.shape(0) < 2) throw py::value_error("gamma needs two entries or more");
+    if (about == Center::lobe) require_at_least("the number of gamma's nodes", gamma.shape(0), 2);
     require_shape(axes, "axes", {any, 3});
     require_shape(views, "views", {views.ndim() == 2 && views.shape(0) == 1 ? 1 : axes.shape(0), 3});
     require_shape(radiance, "radiance", {axes.shape(0), 3});
@@ -164,6 +166,17 @@ void add_radiance(const py::array& rings, bool cube, bool zonal, const std::stri
     const auto out = view(radiance);
     const py::gil_scoped_release release;
     shrm::add_radiance(map, about, table, N, V, bilinear, out);
+}
+
+Array<float> look_up(const py::array& rings, bool cube, bool zonal, const Array<double>& C,
+                     const Array<double>& views, bool bilinear) {
+    const ReflectionMapView map = require_map(rings, cube, zonal);
+    require_shape(C, "C", {any, 3});
+    require_shape(views, "views", {views.ndim() == 2 && views.shape(0) == 1 ? 1 : C.shape(0), 3});
+    return filled<float>({C.shape(0), 3}, [&](std::span<float> radiance) {
+        std::ranges::fill(radiance, 0.f);
+        add_looked_up(map, vectors(C), vectors(views), bilinear, radiance);
+    });
 }
 
 void view_map(const py::array& rings, bool cube, bool zonal, const Array<double>& direction,
@@ -183,7 +196,7 @@ void view_map(const py::array& rings, bool cube, bool zonal, const Array<double>
 
 Array<float> explicit_maps(const Array<float>& rings, bool cube, int T) {
     const ReflectionMapView map = require_map(rings, cube, false);
-    require_positive("T", T);
+    require_at_least("T", T, 1);
     const int N = map.W - 2 * cube_border;
     auto pixels = cube ? allocate<float>({T, T, 6, N, N, 3}) : allocate<float>({T, T, map.H, map.W, 3});
     const auto out = view(pixels);
@@ -193,7 +206,7 @@ Array<float> explicit_maps(const Array<float>& rings, bool cube, int T) {
 }
 
 void to_half(const Array<float>& rings, py::array& halves) {
-    if (!is_half(halves)) throw py::type_error("halves must be an array of float16");
+    if (!is_half(halves)) refuse_type("halves", "be an array of float16", halves);
     require_shape(halves, "halves", {rings.shape(), rings.shape() + rings.ndim()});
     const int pitch = require_rows(halves, "halves");
     if (rings.size() == 0) return;
@@ -211,7 +224,7 @@ float largest_magnitude(const Array<float>& rings) {
 }
 
 Array<double> cube_directions(int N) {
-    require_positive("N", N);
+    require_at_least("N", N, 1);
     const int bordered = N + 2 * cube_border;
     auto result = allocate<double>({6 * bordered, bordered, 3});
     const auto out = vectors(result);
@@ -237,6 +250,8 @@ void bind_reflection_map(py::module_& module) {
     module.def("add_radiance", &add_radiance, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a, "center"_a,
                "gamma"_a.noconvert(), "axes"_a.noconvert(), "views"_a.noconvert(), "bilinear"_a,
                "radiance"_a.noconvert());
+    module.def("look_up", &look_up, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a, "C"_a.noconvert(),
+               "views"_a.noconvert(), "bilinear"_a);
     module.def("view_map", &view_map, py::kw_only(), "rings"_a, "cube"_a, "zonal"_a,
                "direction"_a.noconvert(), "pixels"_a.noconvert());
     module.def("explicit_maps", &explicit_maps, py::kw_only(), "rings"_a.noconvert(), "cube"_a, "T"_a);

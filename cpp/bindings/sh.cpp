@@ -18,7 +18,7 @@ Texel texel(bool areas) {
 
 Array<double> analysis(const Array<float>& pixels, int F, bool areas) {
     require_shape(pixels, "pixels", {any, any, any});
-    require_degree("F", F);
+    require_at_least("F", F, 0);
     const int H = extent(pixels, 0), W = extent(pixels, 1), channels = extent(pixels, 2);
     auto coefficients = allocate<double>({ssize(basis_size(F)), channels});
     const auto in = view(pixels);
@@ -31,8 +31,8 @@ Array<double> analysis(const Array<float>& pixels, int F, bool areas) {
 Array<float> synthesis(const Array<double>& coefficients, int H, int W) {
     const int F = degree_of(coefficients, "coefficients");
     const int channels = extent(coefficients, 1);
-    require_positive("H", H);
-    require_positive("W", W);
+    require_at_least("H", H, 1);
+    require_at_least("W", W, 1);
     auto rings = allocate<float>({H, channels, W});
     const auto in = view(coefficients);
     const auto out = view(rings);
@@ -42,15 +42,14 @@ Array<float> synthesis(const Array<double>& coefficients, int H, int W) {
 }
 
 void require_sizes(int H, int W, int channels) {
-    require_positive("H", H);
-    require_positive("W", W);
-    require_positive("channels", channels);
+    require_at_least("H", H, 1);
+    require_at_least("W", W, 1);
+    require_at_least("channels", channels, 1);
 }
 
 void require_even(const char* name, int value) {
-    require_positive(name, value);
-    if (value % 2)
-        throw py::value_error(std::string(name) + " is " + std::to_string(value) + ", but must be even");
+    require_at_least(name, value, 2);
+    if (value % 2) refuse(name, "be even", value);
 }
 
 Array<float> cube_synthesis(const Array<double>& coefficients, int N) {
@@ -98,7 +97,7 @@ Argument coefficients_argument(int F, int channels) {
 
 std::unique_ptr<AnalysisPlan> analysis_plan(int H, int W, int channels, int F, bool areas) {
     require_sizes(H, W, channels);
-    require_degree("F", F);
+    require_at_least("F", F, 0);
     return std::unique_ptr<AnalysisPlan>(new AnalysisPlan{{H, W, channels, F, texel(areas), Tables::kept},
                                                           {"pixels", {H, W, channels}},
                                                           coefficients_argument(F, channels),
@@ -107,7 +106,7 @@ std::unique_ptr<AnalysisPlan> analysis_plan(int H, int W, int channels, int F, b
 
 std::unique_ptr<SynthesisPlan> synthesis_plan(int H, int W, int channels, int F) {
     require_sizes(H, W, channels);
-    require_degree("F", F);
+    require_at_least("F", F, 0);
     return std::unique_ptr<SynthesisPlan>(new SynthesisPlan{{H, W, channels, F, Tables::kept},
                                                             coefficients_argument(F, channels),
                                                             {"rings", {H, channels, W}},
@@ -116,8 +115,8 @@ std::unique_ptr<SynthesisPlan> synthesis_plan(int H, int W, int channels, int F)
 
 std::unique_ptr<CubeSynthesisPlan> cube_synthesis_plan(int N, int channels, int F) {
     require_even("N", N);
-    require_positive("channels", channels);
-    require_degree("F", F);
+    require_at_least("channels", channels, 1);
+    require_at_least("F", F, 0);
     const int side = N + 2 * cube_border;
     return std::unique_ptr<CubeSynthesisPlan>(new CubeSynthesisPlan{
         {N, channels, F}, coefficients_argument(F, channels), {"rings", {6 * side, channels, side}}, {}});
@@ -158,7 +157,7 @@ void bind_sh(py::module_& module) {
     module.def(
         "fejer_weights",
         [](int H) {
-            require_positive("H", H);
+            require_at_least("H", H, 1);
             const std::vector<double> weights = fejer_weights(H);
             return Array<double>(ssize(weights.size()), weights.data());
         },

@@ -6,10 +6,6 @@
 namespace shrm::bindings {
 namespace {
 
-void require_tents(int M) {
-    if (M < 2) throw py::value_error("M is " + std::to_string(M) + ", but must be at least 2");
-}
-
 Array<double> directions_of(const Array<double>& positions) {
     require_shape(positions, "positions", {any, 2});
     auto directions = allocate<double>({positions.shape(0), 3});
@@ -22,7 +18,7 @@ Array<double> directions_of(const Array<double>& positions) {
 
 py::tuple tents_at(const Array<double>& directions, int M) {
     require_shape(directions, "directions", {any, 3});
-    require_tents(M);
+    require_at_least("M", M, 2);
     auto indices = allocate<std::int64_t>({directions.shape(0), 4});
     auto weights = allocate<double>({directions.shape(0), 4});
     const auto at = vectors(directions);
@@ -39,7 +35,7 @@ py::tuple tents_at(const Array<double>& directions, int M) {
 }
 
 Array<double> sum_of_tents(const Array<double>& coefficients, const Array<double>& directions, int M) {
-    require_tents(M);
+    require_at_least("M", M, 2);
     require_shape(coefficients, "coefficients", {py::ssize_t(M) * M, any});
     require_shape(directions, "directions", {any, 3});
     const int channels = extent(coefficients, 1);
@@ -53,7 +49,7 @@ Array<double> sum_of_tents(const Array<double>& coefficients, const Array<double
 }
 
 Array<double> accumulate(const Array<double>& values, const Array<double>& directions, int M) {
-    require_tents(M);
+    require_at_least("M", M, 2);
     require_shape(directions, "directions", {any, 3});
     require_shape(values, "values", {directions.shape(0), any});
     const int channels = extent(values, 1);

@@ -22,34 +22,28 @@ TransferValues require_values(const py::array& array, const char* name,
     if (py::isinstance<Array<float>>(array)) return {{static_cast<const float*>(array.data()), count}, {}};
     const bool half = array.dtype().kind() == 'f' && array.itemsize() == 2;
     if (!half || !(array.flags() & py::array::c_style))
-        throw py::type_error(std::string(name) + " must be a contiguous array of float32 or float16");
+        refuse_type(name, "be a contiguous array of float32 or float16", array);
     return {{}, {static_cast<const std::uint16_t*>(array.data()), count}};
 }
 
 int require_root(py::ssize_t square, const char* name, const char* needed, int least, int most) {
     const int root = static_cast<int>(std::lround(std::sqrt(static_cast<double>(square))));
     if (py::ssize_t(root) * root != square || root < least || root > most)
-        throw py::value_error(std::string(name) + " has " + std::to_string(square) + " of what must be " +
-                              needed + " in number, " + std::to_string(least) + " to " +
-                              std::to_string(most) + " squared");
+        refuse(name,
+               std::string("have ") + needed + " in [" + std::to_string(least) + ", " + std::to_string(most) +
+                   "]",
+               square);
     return root;
 }
 
 // n^2, which the light's rows must be.
 int require_terms(py::ssize_t terms, const char* name) {
-    const int n = require_root(terms, name, "n^2", 1, most_order);
+    const int n = require_root(terms, name, "n^2 terms, n", 1, most_order);
     return n * n;
 }
 
 int require_M(py::ssize_t tents, const char* name) {
-    return require_root(tents, name, "M^2", 2, most_tents);
-}
-
-int require_channels(py::ssize_t channels, const char* name) {
-    if (channels != 1 && channels != 3)
-        throw py::value_error(std::string(name) + " has " + std::to_string(channels) +
-                              " channels, but needs 1 or 3");
-    return static_cast<int>(channels);
+    return require_root(tents, name, "M^2 tents, M", 2, most_tents);
 }
 
 Eye eye_of(const Array<float>& at, bool distant) {
@@ -113,8 +107,8 @@ struct CompressedPlan {
         require_shape(light, "light", {transfer.terms(), 3});
         require_shape(radiance, "radiance", {transfer.vertices(), 3});
         if (surface.vertices() != transfer.vertices())
-            throw py::value_error("surface has " + std::to_string(surface.vertices()) +
-                                  " vertices, but needs " + std::to_string(transfer.vertices()));
+            refuse("surface", "have " + std::to_string(transfer.vertices()) + " vertices",
+                   surface.vertices());
         const auto in = view(light);
         const auto out = view(radiance);
         const Eye at = eye_of(eye, distant);
@@ -132,18 +126,13 @@ std::unique_ptr<CompressedPlan> compressed_plan(const py::array& weights, const 
     const int M = require_M(components.shape(2), "components");
     const int channels = require_channels(components.shape(3), "components");
     const int terms = require_terms(components.shape(4), "components");
-    if (K < 1 || K > weights.shape(1))
-        throw py::value_error("K is " + std::to_string(K) + ", but must be 1 to " +
-                              std::to_string(weights.shape(1)));
+    require_in("K", K, 1, weights.shape(1));
     std::span<const std::int32_t> of_vertices;
     if (clusters) {
         require_shape(*clusters, "clusters", {vertices});
         of_vertices = view(*clusters);
     }
-    for (const std::int32_t q : of_vertices)
-        if (q < 0 || q >= Q)
-            throw py::value_error("clusters has " + std::to_string(q) + ", but needs 0 to " +
-                                  std::to_string(Q - 1));
+    for (const std::int32_t q : of_vertices) require_in("clusters", q, 0, Q - 1);
     return std::unique_ptr<CompressedPlan>(new CompressedPlan{
         {values, of_vertices, view(components), vertices, Q, extent(weights, 1), K, M, channels, terms}, {}});
 }
@@ -158,7 +147,7 @@ void projected(const TransferSurface& surface, const Array<float>& samples, bool
     require_shape(samples, "samples", {any, any, any, any});
     require_shape(samples, "samples", {samples.shape(0), samples.shape(0), any, any});
     const int side = extent(samples, 0), channels = require_channels(samples.shape(2), "samples");
-    if (side < 2) throw py::value_error("samples must be at least 2 along each side");
+    require_at_least("the side of the samples", side, 2);
     const int terms = require_terms(samples.shape(3), "samples");
     std::span<const float> bands;
     if (rotations) {

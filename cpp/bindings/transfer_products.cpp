@@ -13,7 +13,7 @@ namespace {
 py::ssize_t rotation_size(py::ssize_t terms) {
     py::ssize_t first = 0, count = 0;
     for (py::ssize_t extent = 1; first < terms; first += extent, extent += 2) count += extent * extent;
-    if (first != terms) throw py::value_error("harmonics has " + std::to_string(terms) + " columns, not n^2");
+    if (first != terms) refuse("harmonics", "have n^2 columns", terms);
     return count;
 }
 

@@ -49,14 +49,14 @@ struct RotationPlan {
 };
 
 std::unique_ptr<RotationPlan> rotation_plan(int F, int channels) {
-    require_degree("F", F);
-    require_positive("channels", channels);
+    require_at_least("F", F, 0);
+    require_at_least("channels", channels, 1);
     return std::unique_ptr<RotationPlan>(new RotationPlan{F, channels, {F, channels}, {}});
 }
 
 // d^l_{mq}(alpha), one value per l from 0 to F (zero below max(|m|, |q|)): for tests of the recurrence.
 Array<double> wigner_d(int m, int q, int F, double alpha) {
-    require_degree("F", F);
+    require_at_least("F", F, 0);
     Array<double> values(F + 1);
     double* d = values.mutable_data();
     std::fill_n(d, F + 1, 0.);

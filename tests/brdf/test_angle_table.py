@@ -75,7 +75,7 @@ def test_the_core_guards_memory() -> None:
     for wrong in ({"table": np.ones((1, 2, 2, 3))}, {"table": np.ones((2, 2, 2, 2))}, {"axes": "none"}):
         with pytest.raises(ValueError, match=r"table|axes"):
             _core.interpolate_angles(**({"table": values, **grid, "wi": wi, "wo": wi} | wrong))
-    with pytest.raises(ValueError, match="wo has shape"):
+    with pytest.raises(ValueError, match="wo must have the shape"):
         _core.interpolate_angles(table=values, **grid, wi=wi, wo=wi[:3])
     unaligned = np.zeros(4, np.dtype([("byte", "u1"), ("w", "f8", 3)]))["w"]
     with pytest.raises((ValueError, TypeError)):

@@ -191,6 +191,7 @@ def test_look_ups_in_any_order_are_those_of_each_point(H, n, bilinear):
     C[6:60] = C[6:60] * [0.01, 0.01, 1]
     C[60:90] = C[60:90] * [1, 0.001, 1] * np.where(C[60:90, :1] > 0, -1, 1)
     C /= np.linalg.norm(C, axis=1, keepdims=True)
+    looked_up = _core.look_up(rings=rings, cube=False, zonal=False, C=C, views=V, bilinear=bilinear)
     radiance = np.ones((n, 3), np.float32)  # sums are added to what is there
     _core.add_radiance(
         rings=rings,
@@ -203,6 +204,7 @@ def test_look_ups_in_any_order_are_those_of_each_point(H, n, bilinear):
         bilinear=bilinear,
         radiance=radiance,
     )
+    np.testing.assert_allclose(radiance, 1 + looked_up, rtol=0, atol=64 * EPS32 * np.abs(rings).max())
     expected = 1 + looked_up_one_by_one(rings, C, V, bilinear)
     np.testing.assert_allclose(radiance, expected, rtol=0, atol=64 * EPS32 * np.abs(rings).max())
 

@@ -201,7 +201,7 @@ def test_halves_of_no_regular_rows_are_refused():
     for halves in (np.zeros((4, 3, 16), np.float16)[..., ::2], np.zeros((4, 5, 8), np.float16)[:, :3]):
         with pytest.raises(TypeError, match="halves must be contiguous, or in rows equally far apart"):
             _core.to_half(floats, halves)
-    with pytest.raises(ValueError, match="halves has shape"):
+    with pytest.raises(ValueError, match="halves must have the shape"):
         _core.to_half(floats, np.zeros((4, 3, 9), np.float16))
 
 

@@ -206,23 +206,23 @@ def test_bad_input_is_named(call, kind, text):
 
 def test_the_core_names_its_arguments_too():
     plan = _core.Analysis(H=6, W=12, channels=3, F=2, areas=False)
-    with pytest.raises(ValueError, match=r"pixels has shape \(5, 12, 3\), but needs \(6, 12, 3\)"):
+    with pytest.raises(ValueError, match=r"pixels must have the shape \(6, 12, 3\), got \(5, 12, 3\)"):
         plan.run(PIXELS[:5].copy(), COEFFICIENTS)
-    with pytest.raises(ValueError, match=r"coefficients has shape \(8, 3\), but needs \(9, 3\)"):
+    with pytest.raises(ValueError, match=r"coefficients must have the shape \(9, 3\), got \(8, 3\)"):
         plan.run(PIXELS, np.zeros((8, 3)))
     with pytest.raises(TypeError):
         plan.run(PIXELS, COEFFICIENTS.astype(np.float32))
     rings = np.zeros((6, 3, 12), np.float32)
-    with pytest.raises(ValueError, match="rings has shape"):
+    with pytest.raises(ValueError, match="rings must have the shape"):
         _core.Synthesis(H=6, W=12, channels=3, F=2).run(COEFFICIENTS, rings[:5].copy())
-    with pytest.raises(ValueError, match="F is -1"):
+    with pytest.raises(ValueError, match="F must be at least 0, got -1"):
         _core.CubeSynthesis(N=2, channels=3, F=-1)
-    with pytest.raises(ValueError, match="N is 3, but must be even"):
+    with pytest.raises(ValueError, match="N must be even, got 3"):
         _core.CubeSynthesis(N=3, channels=3, F=1)
     product = _core.MapCoefficients(F=2, P=1, channels=3, zonal=False)
-    with pytest.raises(ValueError, match="light has shape"):
+    with pytest.raises(ValueError, match="light must have the shape"):
         product.run(np.zeros((4, 3)), np.zeros((16, 4, 3)))
-    with pytest.raises(ValueError, match="coefficients has shape"):
+    with pytest.raises(ValueError, match="coefficients must have the shape"):
         product.run(COEFFICIENTS, np.zeros((9, 4, 3)))
 
 

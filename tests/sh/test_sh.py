@@ -222,7 +222,7 @@ def test_core_guards_memory():
         _core.analysis(pixels=np.zeros((4, 8, 3)), F=2, areas=False)  # float64
     with pytest.raises(TypeError):
         _core.analysis(pixels=np.zeros((4, 8, 6), np.float32)[:, :, ::2], F=2, areas=False)  # strided
-    with pytest.raises(ValueError, match="pixels has shape"):
+    with pytest.raises(ValueError, match="pixels must have the shape"):
         _core.analysis(pixels=np.zeros((4, 8), np.float32), F=2, areas=False)
 
 

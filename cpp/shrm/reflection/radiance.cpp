@@ -253,15 +253,13 @@ class Block {
     explicit Block(const ReflectionMapView& map)
         : map_(map), tile_(map), Y_(basis_size(map.P)), weights_(Y_.size()) {}
 
-    // Calls directions(i, N, V) for the normals and views of the points i to i + 7.
-    template <class Directions_of>
-    void locate(std::size_t count, Center center, std::span<const double> gamma, bool bilinear,
-                const Directions_of& directions_of) {
+    // Calls central(i, C, V) for the central directions and views of the points i to i + 7.
+    template <class Central>
+    void locate(std::size_t count, bool bilinear, const Central& central) {
         looks_.resize(count);
         for (std::size_t i = 0; i < count; i += 8) {
-            Directions N, V, C;
-            directions_of(i, N, V);
-            central_directions(center, gamma, N, V, C);
+            Directions C, V;
+            central(i, C, V);
             Look eight[8];
             look(map_, C, V, bilinear, eight);
             std::copy_n(eight, std::min<std::size_t>(8, count - i), &looks_[i]);
@@ -319,11 +317,12 @@ class Block {
     std::vector<f8> weights_;  // the same
 };
 
-}  // namespace
-
-void add_radiance(const ReflectionMapView& map, Center center, std::span<const double> gamma,
-                  std::span<const glm::dvec3> axes, std::span<const glm::dvec3> views, bool bilinear,
-                  std::span<float> radiance) {
+// Deals n points out to threads in blocks. Calls central(C, V) to turn what eight of the axes and views are
+// into central directions and views.
+template <class Central>
+void add_in_blocks(const ReflectionMapView& map, std::span<const glm::dvec3> axes,
+                   std::span<const glm::dvec3> views, bool bilinear, const Central& central,
+                   std::span<float> radiance) {
     const std::size_t n = axes.size(), threads = size(omp_get_max_threads());
     const std::size_t rounds = n / (threads * largest_block) + 1, length = n / (threads * rounds) + 1;
     const auto blocks = static_cast<std::ptrdiff_t>((n + length - 1) / length);
@@ -334,18 +333,36 @@ void add_radiance(const ReflectionMapView& map, Center center, std::span<const d
         for (std::ptrdiff_t number = 0; number < blocks; ++number) {
             const std::size_t first = static_cast<std::size_t>(number) * length,
                               count = std::min(length, n - first);
-            block.locate(count, center, gamma, bilinear, [&](std::size_t i, Directions& N, Directions& V) {
+            block.locate(count, bilinear, [&](std::size_t i, Directions& C, Directions& V) {
                 std::size_t at[8], view[8];
                 for (std::size_t u = 0; u < 8; ++u) {
                     at[u] = first + std::min(i + u, count - 1);
                     view[u] = views.size() == 1 ? 0 : at[u];
                 }
-                gather(axes, at, N);
+                gather(axes, at, C);
                 gather(views, view, V);
+                central(C, V);
             });
             block.add(&radiance[3 * first]);
         }
     }
+}
+
+}  // namespace
+
+void add_radiance(const ReflectionMapView& map, Center center, std::span<const double> gamma,
+                  std::span<const glm::dvec3> axes, std::span<const glm::dvec3> views, bool bilinear,
+                  std::span<float> radiance) {
+    const auto central = [&](Directions& C, Directions& V) {
+        const Directions N = C;
+        central_directions(center, gamma, N, V, C);
+    };
+    add_in_blocks(map, axes, views, bilinear, central, radiance);
+}
+
+void add_looked_up(const ReflectionMapView& map, std::span<const glm::dvec3> C,
+                   std::span<const glm::dvec3> views, bool bilinear, std::span<float> radiance) {
+    add_in_blocks(map, C, views, bilinear, [](Directions&, Directions&) {}, radiance);
 }
 
 }  // namespace shrm

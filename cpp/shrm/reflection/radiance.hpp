@@ -24,4 +24,8 @@ void add_radiance(const ReflectionMapView& map, Center center, std::span<const d
                   std::span<const glm::dvec3> axes, std::span<const glm::dvec3> views, bool bilinear,
                   std::span<float> radiance);
 
+// The same at central directions C themselves.
+void add_looked_up(const ReflectionMapView& map, std::span<const glm::dvec3> C,
+                   std::span<const glm::dvec3> views, bool bilinear, std::span<float> radiance);
+
 }  // namespace shrm

@@ -82,19 +82,14 @@ class Rings:
 
         C and views, (n, 3), are not checked.
         """
-        result = np.zeros(C.shape, dtype=np.float32)
-        _core.add_radiance(
+        return _core.look_up(
             rings=self.rings,
             cube=self.layout == "cube",
             zonal=zonal,
-            center="tangent",  # the axis is C itself
-            gamma=np.zeros(0),
-            axes=C,
+            C=C,
             views=views,
             bilinear=interpolation == "bilinear",
-            radiance=result,
         )
-        return result
 
 
 def ring_directions(size: int, layout: Layout, columns: int | None = None) -> FloatArray:
