@@ -75,6 +75,13 @@ def test_bibliographies_are_found_in_one_place_each() -> None:
         assert not re.search(r"^ *References\n *-+$", path.read_text(), re.MULTILINE), path
 
 
+@pytest.mark.parametrize("page", ["README.md", "bench/README.md", "docs/architecture.md"])
+def test_files_that_a_page_names_are_there(page: str) -> None:
+    folders = "bench|cpp|docs|examples|python|tests"
+    for name in set(re.findall(rf"\b((?:{folders})/[\w/.-]*\w)", (ROOT / page).read_text())):
+        assert (ROOT / name).exists() or list(ROOT.glob(f"{name}.*")), f"{page} names {name}"
+
+
 def test_importing_the_package_and_the_command_is_light() -> None:
     """Plots, meshes, windows and progress bars are loaded by the commands that need them."""
     code = "import sys, json, shrm, shrm.cli; print(json.dumps(sorted(sys.modules)))"
