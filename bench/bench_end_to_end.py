@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from shrm import Environment, brdf, prefilter
-from shrm.frequency import orders
+from shrm.frequency.analysis import analyse
 
 Measured = Callable[..., Any]
 
@@ -18,7 +18,7 @@ def bench_prefilter(measured: Measured, known: bool) -> None:
 
     def run() -> Any:
         if not known:
-            orders.analysed.cache_clear()
+            analyse.cache_clear()
         return prefilter(Environment(pixels), material, orders=(12, 2), size=128)
 
     which = "known material" if known else "new material"

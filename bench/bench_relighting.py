@@ -10,9 +10,9 @@ import pytest
 from inputs import TURN, FloatArray, latlong_directions, relative_rms
 from maps import exact_rows, some_rows
 from shrm import Environment, Prefilter, ReflectionMap, _core, brdf, sh
-from shrm.frequency import orders
+from shrm.frequency.analysis import analyse
+from shrm.frequency.expansion import windowed
 from shrm.frequency.orders import analysed
-from shrm.frequency.prefilter import windowed
 
 Measured = Callable[..., Any]
 
@@ -99,7 +99,7 @@ def bench_material(measured: Measured, known: bool) -> None:
 
     def frame() -> ReflectionMap:
         if not known:
-            orders.analysed.cache_clear()
+            analyse.cache_clear()
         last[:] = [next(materials)]
         rm = relit.update(brdf=last[0])
         rm.at_view(VIEW, out=out)

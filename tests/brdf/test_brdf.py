@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy import special
 from shrm import brdf
 from shrm.frequency import orders
+from shrm.frequency.analysis import analyse
 from support.directions import direction, hemisphere, sphere, turned
 
 # One lobe that is grey, and one of three channels whose exponents differ.
@@ -385,11 +386,11 @@ def test_parameters_out_of_range_are_refused_by_name(make, error, text):
 
 
 def test_equal_materials_about_another_center_are_one():
-    orders.analysed.cache_clear()
+    analyse.cache_clear()
     for merge in (False, True):
         for _ in range(2):
             orders.analysed(brdf.GGX(0.3).recentered("reflection", merge=merge), 8, 2)
-    assert orders.analysed.cache_info()[:2] == (2, 2)  # hits, misses
+    assert analyse.cache_info()[:2] == (2, 2)  # hits, misses
     assert brdf.GGX(0.3).recentered("reflection") is brdf.GGX(0.3).recentered("reflection")
     assert brdf.GGX(0.3).recentered("reflection") is not brdf.GGX(0.3).recentered("lobe")
     assert brdf.GGX(0.3).recentered("reflection") is not brdf.GGX(0.4).recentered("reflection")

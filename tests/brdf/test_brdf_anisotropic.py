@@ -186,7 +186,7 @@ def test_the_integrator_turns_the_frame_to_the_tangent():
         lambda env, m: prefiltered.prefilter(env, m),
         lambda env, m: prefiltered.KautzMcCool2D.prefilter(env, m),
         lambda env, m: prefiltered.Cabral.prefilter(env, m),
-        lambda env, m: orders.choose(m),
+        lambda env, m: orders.choose(env, m),
         lambda env, m: m.recentered("reflection", merge=True),
     ],
 )

@@ -31,7 +31,7 @@ MICROFACET = [
 def test_microfacet_orders(sigma, F, P, kept, one_lower, at_60):
     """[RH02] table 5 has (24,3) (12,2) (7,2) (5,2) (5,2) for a tolerance of .03."""
     material = brdf.Microfacet(sigma).recentered("reflection")
-    found = choose(material, 0.03, "brdf", F_max=60)
+    found = choose(None, material, tolerance=0.03, criterion="brdf", F_max=60)
     assert found.P == P
     assert abs(found.F - F) <= (1 if sigma in (0.1, 0.5) else 0)
     assert captured(material, F, 2) == pytest.approx(kept, abs=1e-3)
@@ -43,7 +43,7 @@ def test_microfacet_orders(sigma, F, P, kept, one_lower, at_60):
 @pytest.mark.parametrize(("s", "P"), [(8, 4), (16, 6), (32, 8), (64, 12)])
 def test_kajiya_kay_orders(s, P):
     """[RH02] section 7.1 has P = 8 for s = 32."""
-    found = choose(brdf.KajiyaKay(s), 0.03, "brdf", F_max=60, P_max=16)
+    found = choose(None, brdf.KajiyaKay(s), tolerance=0.03, criterion="brdf", F_max=60, P_max=16)
     assert found.P == P
     assert not found.limited_by
 
@@ -51,7 +51,7 @@ def test_kajiya_kay_orders(s, P):
 @pytest.mark.parametrize(("s", "F"), [(8, 6), (16, 8), (32, 12), (64, 17), (128, 24), (256, 34), (512, 48)])
 def test_phong_orders(s, F):
     """[RH02] appendix D has F = sqrt(-s log .01)."""
-    found = choose(brdf.Phong(s), 0.01, "brdf", F_max=60)
+    found = choose(None, brdf.Phong(s), tolerance=0.01, criterion="brdf", F_max=60)
     assert (found.F, found.P) == (F, 0)
     assert abs(F - np.sqrt(-s * np.log(0.01))) < 1.1
 
@@ -61,7 +61,7 @@ def test_skin_needs_the_papers_order():
     skin = brdf.Lafortune.read(require("brdf/lafortune_pbrt1.json"), "skin").recentered(
         "reflection", merge=True
     )
-    assert choose(skin, 0.03, "brdf", F_max=60).P == 4
+    assert choose(None, skin, tolerance=0.03, criterion="brdf", F_max=60).P == 4
     assert 1 - captured(skin, 60, 3) > 0.03 > 1 - captured(skin, 60, 4)
 
 
@@ -95,7 +95,7 @@ def test_errors_against_P_about_the_reflection_and_the_lobe(alpha, center):
 def test_chosen_orders_meet_the_tolerance_and_smaller_ones_do_not(criterion):
     env = Environment.daylight()
     material = brdf.GGX(0.3)
-    found = choose(material, 0.1, criterion, env)
+    found = choose(env, material, tolerance=0.1, criterion=criterion)
     assert not found.limited_by
     assert found.error <= 0.1
     L = orders.analysis_degree(found.F, orders.F_MAX)
@@ -148,11 +148,11 @@ def test_minimum_is_the_smaller_of_the_two():
 
 def test_caps_are_named_and_the_error_is_told():
     with pytest.warns(ToleranceWarning, match=r"not met with P <= 2: the error is 0\.0"):
-        found = choose(brdf.GGX(0.2).recentered("reflection"), 0.01, P_max=2)
+        found = choose(None, brdf.GGX(0.2).recentered("reflection"), tolerance=0.01, P_max=2)
     assert found.limited_by == "P"
     assert found.error > 0.01
     with pytest.warns(ToleranceWarning, match="not met with F <= 10"):
-        found = choose(brdf.GGX(0.05), 0.02, F_max=10)
+        found = choose(None, brdf.GGX(0.05), tolerance=0.02, F_max=10)
     assert found.limited_by == "F"
 
 
@@ -161,19 +161,19 @@ def test_degrees_that_cannot_help_are_not_analysed(monkeypatch):
     material, tried = brdf.GGX(0.2).recentered("reflection"), []
     monkeypatch.setattr(orders, "analysed", lambda *of: tried.append(of[1]) or analysed(*of))
     with pytest.warns(ToleranceWarning, match="P <= 1"):
-        found = choose(material, 0.02, P_max=1)
+        found = choose(None, material, tolerance=0.02, P_max=1)
     assert tried == [30, orders.F_MAX]
     power = LightPower.natural(orders.F_MAX)
     assert found.error == error_of(material, [(found.F, found.P)], power).error
     tried.clear()
-    assert choose(brdf.GGX(0.05), 0.04).limited_by == ""  # degrees, not orders, were wanting
+    assert choose(None, brdf.GGX(0.05), tolerance=0.04).limited_by == ""  # degrees, not orders, were wanting
     assert tried[:2] == [30, 60]
 
 
 def test_lobes_of_a_material_share_the_error():
     """A faint lobe needs fewer orders than it would alone; together they meet the tolerance."""
-    alone = choose(brdf.GGX(0.1), 0.02)
-    both = choose(brdf.Lambert(0.8) + 0.05 * brdf.GGX(0.1), 0.02)
+    alone = choose(None, brdf.GGX(0.1), tolerance=0.02)
+    both = choose(None, brdf.Lambert(0.8) + 0.05 * brdf.GGX(0.1), tolerance=0.02)
     assert both.error <= 0.02
     assert both.lobes[1].P < alone.P
     assert both.lobes[0].P == 0
@@ -181,15 +181,15 @@ def test_lobes_of_a_material_share_the_error():
 
 def test_black_light_has_no_error():
     dark = Environment(np.zeros((16, 32, 3), np.float32))
-    found = choose(brdf.GGX(0.3), 0.05, env=dark)
+    found = choose(dark, brdf.GGX(0.3))
     assert (found.F, found.P, found.error) == (0, 0, 0.0)
 
 
 def test_the_lobe_center_needs_fewer_orders_than_the_reflection():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)
-        about_R = choose(brdf.GGX(0.3).recentered("reflection"), 0.03, P_max=16)
-    assert choose(brdf.GGX(0.3), 0.03).P < about_R.P / 2
+        about_R = choose(None, brdf.GGX(0.3).recentered("reflection"), tolerance=0.03, P_max=16)
+    assert choose(None, brdf.GGX(0.3), tolerance=0.03).P < about_R.P / 2
 
 
 @pytest.mark.parametrize(
@@ -207,4 +207,4 @@ def test_the_lobe_center_needs_fewer_orders_than_the_reflection():
 )
 def test_bad_arguments_are_named(arguments, text):
     with pytest.raises((ValueError, TypeError), match=text):
-        choose(**({"brdf": brdf.Lambert(1.0)} | arguments))
+        choose(**({"env": None, "brdf": brdf.Lambert(1.0)} | arguments))

@@ -158,7 +158,7 @@ def test_given_orders_meet_the_tolerance_too(env, material):
         rm = prefilter(env, material, orders=(10, 2), tolerance=tolerance, residual="auto")
         assert (rm.F, rm.residual is None) == (10, False)
         assert rm.error <= 1.1 * tolerance
-    chosen = choose(brdf.GGX(0.5), 0.1, env=env)
+    chosen = choose(env, brdf.GGX(0.5), tolerance=0.1)
     assert (
         prefilter(env, brdf.GGX(0.5), orders=(chosen.F, chosen.P), tolerance=0.1, residual="auto").residual
         is None

@@ -107,7 +107,7 @@ def _lobe_description(lobe: Any, index: int) -> str:
     with warnings.catch_warnings():  # the line itself says that more is not to be had
         warnings.simplefilter("ignore", orders.ToleranceWarning)
         material = Material((lobe,), f"lobe {index}")
-        chosen = orders.choose(material, tolerance=1.0 - CAPTURED, criterion="brdf")
+        chosen = orders.choose(None, material, tolerance=1.0 - CAPTURED, criterion="brdf")
     limit = f", not more within F <= {orders.F_MAX}, P <= {orders.P_MAX}" if chosen.limited_by else ""
     return (
         f"about the {lobe.center}, F = {chosen.F}, P = {chosen.P}"

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -142,8 +143,11 @@ class LobeAnalysis:
         return self._factors[q, P]
 
 
+@lru_cache(maxsize=64)
 def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
     """Project a lobe on the degrees l <= L, with views enough for orders p <= P.
+
+    Analyses are kept: an equal lobe is analysed to the same (L, P) once.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How many orders are enough: F and P for a wanted error, and the error of given orders.
+"""How many orders are enough: F and P for a tolerance, and the error of given orders.
 
 Four criteria [RH02 section 5.1]:
 
@@ -21,7 +21,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -30,18 +29,22 @@ from shrm.arrays import FloatArray
 from shrm.brdf import BRDF
 from shrm.environment import Environment
 from shrm.frequency.analysis import LobeAnalysis, analyse
-from shrm.validation import fraction, one_of, whole_number
+from shrm.validation import fraction, one_of, require_instance, whole_number
 
 Criterion = Literal["light", "brdf", "minimum", "bound"]
 
 F_MAX = 120
+"""Cap on the degree of the light: beyond it, integration in a pyramid of the light is cheaper."""
 P_MAX = 8
-_ENLARGEMENTS = (30, 60)
+"""Cap on the order of the view: 81 maps for each channel."""
+_TRIED_FIRST = (30, 60)
 """Degrees that are tried before F_max: [RH02] appendix C, 'we repeat the algorithm with larger values'."""
+FORGIVEN = 1.02
+"""Factor on the squared error that P leaves: degrees of the light that lower it by less are not kept."""
 
 
 class ToleranceWarning(UserWarning):
-    """The wanted error is not met within the caps on the orders."""
+    """The tolerance is not met within the caps on the orders."""
 
 
 @dataclass(frozen=True)
@@ -82,17 +85,25 @@ class LightPower:
 
 @dataclass(frozen=True)
 class LobeOrders:
-    """Orders of one lobe, with the squared error they leave and the whole, in the criterion's measure."""
+    """Orders of one lobe.
+
+    Attributes
+    ----------
+    F, P : int
+        The largest degree of the light and order of the view.
+    squared_error, total : float
+        What they leave of the lobe's energy, and all of it, in the criterion's measure.
+    """
 
     F: int
     P: int
-    residual: float
+    squared_error: float
     total: float
 
 
 @dataclass(frozen=True)
 class Orders:
-    """Chosen orders.
+    """The orders of a material, and the error they leave.
 
     Attributes
     ----------
@@ -114,11 +125,11 @@ class Orders:
 
 
 def choose(
+    env: Environment | None,
     brdf: BRDF,
+    *,
     tolerance: float = 0.05,
     criterion: Criterion = "light",
-    env: Environment | None = None,
-    *,
     F_max: int = F_MAX,
     P_max: int = P_MAX,
 ) -> Orders:
@@ -126,15 +137,15 @@ def choose(
 
     Parameters
     ----------
+    env : Environment or None
+        The light. Without one, `light`, `minimum` and `bound` use the spectrum of typical natural light
+        (`LightPower.natural`).
     brdf : BRDF
         The material.
     tolerance : float
-        The error wanted, in (0, 1): a relative RMS for `light`, a fraction of energy for the others.
+        The error allowed, in (0, 1): a relative RMS for `light`, a fraction of energy for the others.
     criterion : {"light", "brdf", "minimum", "bound"}
         The measure of the error, see the module.
-    env : Environment, optional
-        The light. Without one, `light`, `minimum` and `bound` use the spectrum of typical natural light
-        (`LightPower.natural`).
     F_max, P_max : int
         Caps on the orders.
 
@@ -150,43 +161,53 @@ def choose(
         If an argument is of another type or out of its range; if a material of several lobes is judged by
         another criterion than `light`.
     """
-    if not isinstance(brdf, BRDF):
-        raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
-    if env is not None and not isinstance(env, Environment):
-        raise TypeError(f"env must be an Environment, got {type(env).__name__}")
+    require_instance("brdf", brdf, BRDF, what="a material of shrm.brdf")
+    if env is not None:
+        require_instance("env", env, Environment)
     require_tolerance(tolerance)
     one_of("criterion", criterion, get_args(Criterion))
     require_orders(F_max, P_max, names=("F_max", "P_max"))
-    if criterion != "light" and len(brdf.lobes) > 1:
-        raise ValueError(
-            f"criterion {criterion!r} is for materials of one lobe, and {brdf.name} has {len(brdf.lobes)}: "
-            "use criterion='light', or brdf.recentered('reflection', merge=True)"
-        )
-    found, beyond_help = None, False
+    require_lobes(brdf, criterion)
+    orders = smallest_orders(env, brdf, tolerance, criterion, F_max, P_max)
+    if orders.limited_by:
+        text = limit_text(orders, brdf, tolerance, criterion, F_max, P_max)
+        warnings.warn(text, ToleranceWarning, stacklevel=2)
+    return orders
+
+
+def smallest_orders(
+    env: Environment | None, brdf: BRDF, tolerance: float, criterion: Criterion, F_max: int, P_max: int
+) -> Orders:
+    """Return what `choose` does, without checks and without a warning."""
+    orders, limited_by_P = None, False
     for L in degrees_tried(F_max):
-        if beyond_help and F_max > L:
+        if limited_by_P and F_max > L:
             continue
         lobes = analysed(brdf, L, P_max)
         power = LightPower.natural(L) if env is None else LightPower.of(env, L)
-        found, beyond_help = _choose_at(lobes, power, tolerance, criterion, P_max)
-        if not found.limited_by:
-            return found
-    assert found is not None
-    cap = P_max if found.limited_by == "P" else F_max
-    warnings.warn(
+        orders, limited_by_P = _choose_at(lobes, power, tolerance, criterion, P_max)
+        if not orders.limited_by:
+            break
+    assert orders is not None
+    return orders
+
+
+def limit_text(
+    orders: Orders, brdf: BRDF, tolerance: float, criterion: Criterion, F_max: int, P_max: int
+) -> str:
+    """Say which cap keeps orders from the tolerance, and what can be done."""
+    cap, limit = orders.limited_by, P_max if orders.limited_by == "P" else F_max
+    return (
         f"{brdf.name}: tolerance {tolerance:g} ({criterion}) is not met with "
-        f"{found.limited_by} <= {cap}: the error is {found.error:.3g}; "
-        f"raise {found.limited_by}_max (shrm prefilter --max-orders), split the core off (residual='auto', "
-        "--residual auto) or integrate (prefilter_hierarchical, shrm render --method hierarchical)",
-        ToleranceWarning,
-        stacklevel=2,
+        f"{cap} <= {limit}: the error is {orders.error:.3g}; "
+        f"raise {cap}_max (shrm prefilter --max-orders), split the core off (residual='auto', "
+        "--residual auto) or integrate (prefilter_hierarchical, shrm render --method hierarchical)"
     )
-    return found
 
 
 def degrees_tried(F_max: int) -> list[int]:
     """Return the largest degrees that are analysed, one after the other, until the tolerance is met."""
-    return [*(L for L in _ENLARGEMENTS if F_max > L), F_max]
+    return [*(L for L in _TRIED_FIRST if F_max > L), F_max]
 
 
 def analysis_degree(F: int, F_max: int) -> int:
@@ -226,7 +247,7 @@ def error_of(
     for index, (lobe, (F, P)) in enumerate(zip(lobes, orders, strict=True)):
         measure = Measure(lobe, power, criterion)
         window = None if degree_weights is None else degree_weights[index]
-        results.append(LobeOrders(F, P, measure.residual(F, P, window), measure.total))
+        results.append(LobeOrders(F, P, measure.squared_error(F, P, window), measure.total))
     return _combined(results, "", criterion)
 
 
@@ -236,8 +257,17 @@ def require_orders(F: int, P: int, names: tuple[str, str] = ("F", "P")) -> None:
     whole_number(names[1], P, 0, 24)
 
 
+def require_lobes(brdf: BRDF, criterion: Criterion) -> None:
+    """Raise ValueError if a criterion cannot choose orders for as many lobes as a material has."""
+    if criterion != "light" and len(brdf.lobes) > 1:
+        raise ValueError(
+            f"criterion {criterion!r} is for materials of one lobe, and {brdf.name} has {len(brdf.lobes)}: "
+            "use criterion='light', or brdf.recentered('reflection', merge=True)"
+        )
+
+
 def require_tolerance(tolerance: float) -> float:
-    """Return an error that can be asked for: a number above 0 and below 1."""
+    """Return a tolerance: a number above 0 and below 1."""
     if fraction("tolerance", tolerance) == 0:
         raise ValueError(f"tolerance must be above 0 and below 1, got {tolerance!r}")
     return float(tolerance)
@@ -250,9 +280,8 @@ def degree_power(coefficients: FloatArray) -> FloatArray:
     return np.asarray(np.add.reduceat(np.asarray(coefficients, dtype=np.float64) ** 2, starts, axis=0))
 
 
-@lru_cache(maxsize=64)
 def analysed(brdf: BRDF, L: int, P: int) -> tuple[LobeAnalysis, ...]:
-    """Analyse every lobe of a material, once for each (L, P)."""
+    """Analyse every lobe of a material; what was analysed to the same (L, P) lately is kept."""
     return tuple(analyse(lobe, L, P) for lobe in brdf.lobes)
 
 
@@ -274,10 +303,10 @@ class Measure:
         self.tail = self.light[L // 2 :].max(axis=0)
         self.total = float((self.light * self.degree_energy).sum() + (self.tail * self.unresolved).sum())
 
-    def residual(self, F: int, P: int, window: FloatArray | None = None) -> float:
-        """What orders (F, P) leave of `total`: a squared radiance, or an energy."""
+    def squared_error(self, F: int, P: int, window: FloatArray | None = None) -> float:
+        """Return what orders (F, P) leave of `total`: a squared radiance, or an energy."""
         if self.criterion == "minimum":
-            return min(self._light_residual(F) * self.total, self._brdf_residual(F, P) * self.total)
+            return min(self._light_left_out(F) * self.total, self._brdf_left_out(F, P) * self.total)
         if self.criterion == "bound":
             return self._bound(F, P)
         kept = self.lobe.captured(P)[: F + 1]
@@ -286,12 +315,12 @@ class Measure:
         left_out = max(self.total - float((self.light[: F + 1] * kept).sum()), 0.0)
         return left_out + self.lobe.quadrature_error * self.total
 
-    def _light_residual(self, F: int) -> float:
+    def _light_left_out(self, F: int) -> float:
         """eps_L, the fraction of the light's energy above degree F [RH02 section 5.1]."""
         above = self.power.degrees[F + 1 :].sum() + self.power.rest.sum()
         return float(above / max(self.power.degrees.sum() + self.power.rest.sum(), 1e-300))
 
-    def _brdf_residual(self, F: int, P: int) -> float:
+    def _brdf_left_out(self, F: int, P: int) -> float:
         """eps_rho, the fraction of the BRDF's energy outside (F, P) [RH02 section 5.1]."""
         kept = self.lobe.captured(P)[: F + 1].sum()
         return max(1 - float(kept / max(self.lobe.energy.sum(), 1e-300)), 0.0)
@@ -312,41 +341,39 @@ class Measure:
 def _choose_at(
     lobes: tuple[LobeAnalysis, ...], power: LightPower, tolerance: float, criterion: Criterion, P_max: int
 ) -> tuple[Orders, bool]:
-    """Reduce P, then F, each lobe to its share of the whole material's error.
+    """Choose orders from analyses to one degree: reduce P, then F, each lobe to its share of the error.
 
     Also tells whether no larger degree can help: what degrees lose in p > P_max stays lost.
     """
     measures = [Measure(lobe, power, criterion) for lobe in lobes]
-    whole = sum(measure.total for measure in measures)
-    squared = tolerance**2 if criterion == "light" else tolerance
-    allowed = squared * whole / len(lobes)
-    chosen, limited_by, lost = [], "", 0.0
+    total = sum(measure.total for measure in measures)
+    fraction_allowed = tolerance**2 if criterion == "light" else tolerance
+    allowed = fraction_allowed * total / len(lobes)
+    chosen, limited_by, lost_beyond_P_max = [], "", 0.0
     for lobe, measure in zip(lobes, measures, strict=True):
         L = lobe.L
-        most = 0 if lobe.kind == "radial" else P_max
-        P = next((P for P in range(most + 1) if measure.residual(L, P) <= allowed), None)
+        largest_P = 0 if lobe.kind == "radial" else P_max
+        P = next((P for P in range(largest_P + 1) if measure.squared_error(L, P) <= allowed), None)
         if P is None:
             # Either more p would help or nothing but more l: which loses more?
-            P = most
+            P = largest_P
             beyond_P = measure.degree_energy - lobe.captured(P)
-            lost_in_p = float((measure.light * beyond_P).sum()) if criterion != "minimum" else 0.0
-            lost += lost_in_p
-            limited_by = "P" if most and lost_in_p > measure.residual(L, P) / 2 else "F"
-        # Within 2% of the squared error, if that is more than allowed: degrees that P makes useless are not
-        # kept.
-        target = max(allowed, 1.02 * measure.residual(L, P))
-        F = next(F for F in range(L + 1) if measure.residual(F, P) <= target)
-        chosen.append(LobeOrders(F, P, measure.residual(F, P), measure.total))
+            lost = float((measure.light * beyond_P).sum()) if criterion != "minimum" else 0.0
+            lost_beyond_P_max += lost
+            limited_by = "P" if largest_P and lost > measure.squared_error(L, P) / 2 else "F"
+        target = max(allowed, FORGIVEN * measure.squared_error(L, P))
+        F = next(F for F in range(L + 1) if measure.squared_error(F, P) <= target)
+        chosen.append(LobeOrders(F, P, measure.squared_error(F, P), measure.total))
     combined = _combined(chosen, limited_by, criterion)
     # Lobes that miss their share may be made up for by the others.
     if limited_by and combined.error <= tolerance:
         return _combined(chosen, "", criterion), False
-    return combined, criterion in ("light", "brdf") and lost > squared * whole
+    return combined, criterion in ("light", "brdf") and lost_beyond_P_max > fraction_allowed * total
 
 
 def _combined(lobes: Sequence[LobeOrders], limited_by: str, criterion: Criterion) -> Orders:
-    """Errors of several lobes combine by root mean square; cross terms only add to the whole."""
-    whole = sum(lobe.total for lobe in lobes)
-    fraction = sum(lobe.residual for lobe in lobes) / whole if whole > 0 else 0.0
+    """Combine the errors of several lobes by root mean square; cross terms only add to the total."""
+    total = sum(lobe.total for lobe in lobes)
+    fraction = sum(lobe.squared_error for lobe in lobes) / total if total > 0 else 0.0
     error = float(np.sqrt(fraction)) if criterion == "light" else float(fraction)
     return Orders(max(o.F for o in lobes), max(o.P for o in lobes), error, limited_by, tuple(lobes))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +14,7 @@ from shrm.brdf.lobe import Center
 from shrm.files import PathLike
 from shrm.frequency import file
 from shrm.frequency.part import CoefficientMaps, Part
+from shrm.frequency.prediction import Prediction
 from shrm.frequency.rings import Interpolation
 from shrm.integrate.residual import Residual
 from shrm.lobes.reflection import Layout, Reflection
@@ -37,8 +37,8 @@ class ReflectionMap(Reflection):
         The window on the degrees.
     clamp : bool
         Whether negative radiance is set to zero when read, lobe by lobe.
-    predict : callable
-        Computes `error` when it is first asked for: it takes longer than the maps.
+    prediction : float or Prediction
+        The error, or what predicts it when it is first asked for: that takes longer than the maps.
     residual : Residual or None
         What the orders cannot hold of sharp lobes: `radiance` and `maps_at_view` add it. `Residual.radiance`
         and `Residual.maps_at_view` are it alone.
@@ -49,7 +49,7 @@ class ReflectionMap(Reflection):
     criterion: str
     window: str | None
     clamp: bool
-    predict: Callable[[], float]
+    prediction: float | Prediction
     residual: Residual | None = None
 
     @property
@@ -72,7 +72,7 @@ class ReflectionMap(Reflection):
         """Rows of a lat-long map, or of a cube's face."""
         return self.parts[0].size
 
-    @cached_property
+    @property
     def error(self) -> float:
         """The error predicted, in the criterion's measure.
 
@@ -80,7 +80,7 @@ class ReflectionMap(Reflection):
         interpolation together. For the others: the fraction of energy that truncation leaves out. For maps
         fitted to pictures: the relative RMS of the fit.
         """
-        return self.predict()
+        return self.prediction.error if isinstance(self.prediction, Prediction) else self.prediction
 
     def radiance(
         self,
@@ -233,9 +233,8 @@ class ReflectionMap(Reflection):
             If the file cannot be read, or is no reflection map.
         """
         saved = file.read(path)
-        predict = partial(float, saved.error)
         return cls(
-            saved.parts, saved.brdf, saved.criterion, saved.window, saved.clamp, predict, saved.residual
+            saved.parts, saved.brdf, saved.criterion, saved.window, saved.clamp, saved.error, saved.residual
         )
 
     def expanded_parts(self) -> tuple[Part, ...]:
@@ -250,10 +249,6 @@ class ReflectionMap(Reflection):
         if len(parts) < len(self.parts):
             raise ValueError(f"{self.brdf} was fitted to pictures, and has no coefficients")
         return parts
-
-    def __getstate__(self) -> dict[str, object]:
-        """Return what is pickled: the error itself in place of how it is predicted."""
-        return {**self.__dict__, "predict": partial(float, self.error)}
 
     def __repr__(self) -> str:
         return f"<ReflectionMap {self.brdf}: F={self.F} P={self.P} {self.layout} {self.parts[0].size}>"

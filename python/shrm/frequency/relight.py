@@ -7,10 +7,7 @@ none, if the light has only turned: its coefficients are rotated), a product and
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -18,15 +15,16 @@ import numpy.typing as npt
 from shrm import _core, sh
 from shrm.arrays import Float16Array, Float32Array, FloatArray
 from shrm.brdf import BRDF
-from shrm.brdf.lobe import Center
 from shrm.environment import Environment
 from shrm.frequency.analysis import LobeAnalysis
-from shrm.frequency.orders import F_MAX, P_MAX, Criterion, analysed, analysis_degree
+from shrm.frequency.expansion import expansion_for, windowed
 from shrm.frequency.part import Part
-from shrm.frequency.prefilter import Window, predicted_error, predicted_split_error, prefilter_split, windowed
+from shrm.frequency.prediction import Prediction, Truncation
+from shrm.frequency.prefilter import reflection_map
 from shrm.frequency.reflection_map import ReflectionMap
+from shrm.frequency.request import Request, Window, centered, method_takes
 from shrm.frequency.rings import empty_halves, require_half_range
-from shrm.lobes.reflection import Layout
+from shrm.validation import require_instance, require_shape
 from shrm.validation import rotation as checked_rotation
 
 
@@ -69,53 +67,24 @@ class Prefilter:
     (6, 16, 16, 3)
     """
 
-    def __init__(
-        self,
-        env: Environment,
-        brdf: BRDF,
-        *,
-        tolerance: float = 0.05,
-        orders: tuple[int, int] | None = None,
-        criterion: Criterion = "light",
-        size: int | None = None,
-        layout: Layout = "latlong",
-        center: Center | None = None,
-        F_max: int = F_MAX,
-        P_max: int = P_MAX,
-        window: Window | None = None,
-        clamp: bool = False,
-        half: bool = False,
-        residual: Literal["auto"] | None = None,
-    ) -> None:
-        self.map, self._split, self._of_cores = prefilter_split(
-            env,
-            brdf,
-            tolerance=tolerance,
-            orders=orders,
-            criterion=criterion,
-            size=size,
-            layout=layout,
-            center=center,
-            F_max=F_max,
-            P_max=P_max,
-            window=window,
-            clamp=clamp,
-            half=half,
-            residual=residual,
-        )
-        self._env = env
-        self._center = center
-        self._material = brdf if center is None else brdf.recentered(center)
-        self._criterion: Criterion = criterion
-        self._window: Window | None = window
-        self._F_max = F_max
-        # The analysis that prefilter made, and the one that other materials get.
-        self._analysed = (analysis_degree(self.map.F, F_max), P_max) if orders is None else orders
-        H, W, _ = env.pixels.shape
-        self._analysis = sh.Plan(H, W, self.map.F, areas=True)
-        self._light = env.coefficients(self.map.F).copy()
-        self._next_light = np.empty_like(self._light)
+    @method_takes(Request)
+    def __init__(self, request: Request) -> None:
+        self._request = request
+        self._expansion = expansion_for(request)
+        self.map = reflection_map(request, self._expansion)
+        self._cores_error = self.map.prediction.cores if isinstance(self.map.prediction, Prediction) else 0.0
+        # The material, the light as it was given, and how that has been turned since.
+        self._material = request.brdf
+        self._env = request.env
         self._rotation: FloatArray | None = None
+        self._light = request.env.coefficients(self.map.F).copy()
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Make the tables and the memory that updates use."""
+        H, W, _ = self._env.pixels.shape
+        self._analysis = sh.Plan(H, W, self.map.F, areas=True)
+        self._next_light = np.empty_like(self._light)
         self._rotate = _core.Rotation(F=self.map.F, channels=3)
         self._rotated = np.empty_like(self._light)
         self._plans = [_LobePlan(part) for part in self.map.expanded_parts()]
@@ -150,19 +119,16 @@ class Prefilter:
             If the light has another size, R is no rotation, the material has other lobes or there is a
             residual, or half floats do not reach the values of the new maps. The map stays as it was.
         """
-        if env is not None and not isinstance(env, Environment):
-            raise TypeError(f"env must be an Environment, got {type(env).__name__}")
-        if env is not None and env.pixels.shape != self._env.pixels.shape:
-            raise ValueError(f"env must have the shape {self._env.pixels.shape}, got {env.pixels.shape}")
+        # what has changed, checked
+        if env is not None:
+            require_instance("env", env, Environment)
+            require_shape("env", env.pixels, self._env.pixels.shape)
         R = self._rotation if env is None else None
         if rotation is not None:
             R = checked_rotation("rotation", rotation).copy()
-        if brdf is not None and self._split is not None:
-            raise ValueError(
-                "brdf cannot change beside a residual, which is split off for one: prefilter anew"
-            )
         material = self._material if brdf is None else self._of_the_same_kind(brdf)
 
+        # the light's coefficients
         light = self._light
         if env is not None:
             light = self._analysis.analysis(env.pixels, out=self._next_light)
@@ -170,42 +136,63 @@ class Prefilter:
         if R is not None:
             self._rotate.run(light, R, self._rotated)
             rotated = self._rotated
+
+        # those of the lobes, and the maps
+        expansion = self._expansion
         tables = [(plan.part.gamma, plan.part.rho) for plan in self._plans]
         if brdf is not None:
-            lobes = analysed(material, *self._analysed)
-            pairs = zip(self._plans, lobes, strict=True)
-            tables = [plan.tables_of(lobe, self._window) for plan, lobe in pairs]
+            expansion = replace(expansion, material=material, smooth=material)
+            pairs = zip(self._plans, expansion.analyses(), strict=True)
+            tables = [plan.tables_of(lobe, expansion.window) for plan, lobe in pairs]
         for plan, (_, rho) in zip(self._plans, tables, strict=True):
             plan.compute(rotated, rho)
 
-        # Nothing is refused any more.
+        # Nothing is refused any more: keep all of it.
         if env is not None:
             self._env, self._light, self._next_light = env, light, self._light
-        self._rotation, self._material = R, material
+        self._rotation, self._material, self._expansion = R, material, expansion
         parts = tuple(
             plan.keep(rotated, gamma, rho) for plan, (gamma, rho) in zip(self._plans, tables, strict=True)
         )
-        predict: Callable[[], float] = partial(
-            predicted_error, self._env, material, parts, self._criterion, self._window, self._F_max
-        )
         residual = self.map.residual
-        if self._split is not None:
-            predict = partial(predicted_split_error, self._env, self._split, parts, self._of_cores)
         if residual is not None:
             residual = residual if env is None else residual.relit(env.pixels)
             residual = residual.rotated(np.eye(3) if R is None else R)
-        self.map = replace(self.map, parts=parts, brdf=material.name, predict=predict, residual=residual)
+        truncation = Truncation(self._env, expansion)
+        prediction = Prediction(truncation, parts, self._cores_error, look_up=False)
+        self.map = replace(
+            self.map, parts=parts, brdf=material.name, prediction=prediction, residual=residual
+        )
         return self.map
 
     def _of_the_same_kind(self, brdf: BRDF) -> BRDF:
         """Return another material about this one's centers; ValueError if its lobes are of other kinds."""
-        if not isinstance(brdf, BRDF):
-            raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
-        material = brdf if self._center is None else brdf.recentered(self._center)
+        if self._expansion.cores is not None:
+            raise ValueError(
+                "brdf cannot change beside a residual, which is split off for one: prefilter anew"
+            )
+        require_instance("brdf", brdf, BRDF, what="a material of shrm.brdf")
+        material = centered(brdf, self._request.center)
         kinds = [(type(lobe), lobe.center) for lobe in material.lobes]
         if kinds != [(type(lobe), lobe.center) for lobe in self._material.lobes]:
             raise ValueError(f"brdf must have lobes as those of {self._material!r}, got {material!r}")
         return material
+
+    def __getstate__(self) -> dict[str, object]:
+        """Return what is pickled: tables and memory are made again."""
+        return {name: value for name, value in self.__dict__.items() if name not in _PREPARED}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self._prepare()
+
+    def __repr__(self) -> str:
+        H, W, _ = self._env.pixels.shape
+        return f"<Prefilter of {H} x {W} texels: {self.map!r}>"
+
+
+_PREPARED = ("_analysis", "_next_light", "_rotate", "_rotated", "_plans")
+"""What `Prefilter._prepare` makes."""
 
 
 class _LobePlan:

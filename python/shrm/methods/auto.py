@@ -9,8 +9,8 @@ from shrm.brdf.lobe import Center
 from shrm.environment import Environment
 from shrm.frequency import prefilter as prefiltering
 from shrm.frequency.orders import F_MAX, P_MAX, Criterion, require_orders, require_tolerance
-from shrm.frequency.prefilter import Window
 from shrm.frequency.reflection_map import ReflectionMap
+from shrm.frequency.request import Window
 from shrm.integrate.angular import DEFAULT_SIZE, AngularReflection, prefilter_angular
 from shrm.integrate.hierarchical import HierarchicalReflection, prefilter_hierarchical
 from shrm.lobes.reflection import Layout

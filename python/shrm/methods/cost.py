@@ -86,7 +86,7 @@ def cheapest(
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)
-        chosen = choose(brdf, tolerance, "light", env, F_max=F_max, P_max=P_max)
+        chosen = choose(env, brdf, tolerance=tolerance, F_max=F_max, P_max=P_max)
     H, W, _ = env.pixels.shape
     texels = size * size * (2 if layout == "latlong" else 6)
     work = (H * W, brdf, texels, layout, views)

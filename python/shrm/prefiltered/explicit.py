@@ -8,7 +8,6 @@ coefficients.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -160,7 +159,7 @@ def without_azimuth(rm: ReflectionMap) -> ReflectionMap:
         raise TypeError(f"rm must be a ReflectionMap, got {type(rm).__name__}")
     parts = rm.expanded_parts()
     require_no_residual(rm, "a map without azimuth")
-    return replace(rm, parts=tuple(map(_radial, parts)), predict=partial(float, "nan"))
+    return replace(rm, parts=tuple(map(_radial, parts)), prediction=float("nan"))
 
 
 def _radial(part: Part) -> Part:
@@ -221,7 +220,7 @@ def fit(
         rings=np.ascontiguousarray(rings, dtype=np.float32),
         zonal=False,
     )
-    return ReflectionMap((part,), name, "fit", None, False, lambda: error)
+    return ReflectionMap((part,), name, "fit", None, False, error)
 
 
 def lat_long_pictures(maps: npt.ArrayLike, count: int) -> FloatArray:

@@ -16,7 +16,8 @@ import numpy.typing as npt
 
 from shrm import sh
 from shrm.arrays import FloatArray
-from shrm.frequency.prefilter import Window, degree_window
+from shrm.frequency.expansion import degree_window
+from shrm.frequency.request import Window
 from shrm.render.camera import Camera, Vector
 from shrm.render.mesh import Mesh
 from shrm.render.placement import Placement

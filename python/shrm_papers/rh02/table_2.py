@@ -15,6 +15,7 @@ from shrm import brdf
 from shrm.arrays import FloatArray
 from shrm.environment import Environment
 from shrm.frequency import orders
+from shrm.frequency.analysis import analyse
 from shrm.frequency.prefilter import prefilter
 from shrm.integrate.angular import integrate, prefilter_angular
 from shrm.prefiltered.explicit import icosahedral_maps, reflection_maps, three_dimensional_texture
@@ -102,7 +103,7 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
     reduced = env.resized(32, 64) if quick else env.resized(64, 128)
     material = brdf.Microfacet(0.4 if quick else 0.2)
     about_R = material.recentered("reflection")
-    chosen = orders.choose(about_R, tolerance=EPSILON, criterion="brdf")
+    chosen = orders.choose(None, about_R, tolerance=EPSILON, criterion="brdf")
     F, P = chosen.F, chosen.P
     per_F, per_P = (5, 3) if quick else (10, 10)
     H = 2 * round(per_F * F / np.sqrt(2) / 2)  # H x 2 H texels are about S^2
@@ -115,7 +116,7 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
     look_ups: list[Callable[[], object]] = []
 
     def compare(method: str, what: str, size: str, build: Callable[[], Any], before: float = 0.0) -> float:
-        orders.analysed.cache_clear()  # each pays for the analysis of its material
+        analyse.cache_clear()  # each pays for the analysis of its material
         start = time.process_time()
         form = build()
         built = before + time.process_time() - start
@@ -171,7 +172,7 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
     compare("Coefficients", "harmonics of R and V", f"{(F + P + 1) ** 2} x {terms}", coefficients)
     compare("SHRM", "about the reflection", f"{terms} maps of {texels}", shrm)
 
-    orders.analysed.cache_clear()
+    analyse.cache_clear()
     start = time.process_time()
     rm = prefilter(fresh(reduced), material, orders=(F, P))
     built = time.process_time() - start

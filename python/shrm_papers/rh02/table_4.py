@@ -15,7 +15,7 @@ import numpy as np
 from shrm import brdf
 from shrm.arrays import Float32Array
 from shrm.environment import Environment
-from shrm.frequency import orders
+from shrm.frequency.analysis import analyse
 from shrm.frequency.prefilter import prefilter
 from shrm.frequency.relight import Prefilter
 from shrm.integrate.angular import AngularReflection, prefilter_angular
@@ -199,7 +199,7 @@ def relighting(light: Environment, s: int, F: int) -> Call:
 
 def in_one_shot(light: Environment, s: int, F: int) -> object:
     """Light and material to the map, with nothing kept from before."""
-    orders.analysed.cache_clear()
+    analyse.cache_clear()
     return in_frequency(Environment(light.pixels), s, F)
 
 

@@ -11,6 +11,7 @@ from shrm import brdf
 from shrm.arrays import Float32Array, FloatArray, IntArray
 from shrm.environment import Environment, layouts
 from shrm.frequency import orders
+from shrm.frequency.analysis import analyse
 from shrm.frequency.prefilter import prefilter
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.frequency.relight import Prefilter
@@ -292,7 +293,7 @@ def compared(light: Environment, sigma: float, frames: Frames) -> dict[str, Any]
     cut = angular_of(light, sigma, EPSILON, subsamples=1)
     angular = relative_rms(frames.integrated(cut), exact)
     rescaled = relative_rms(frames.integrated(cut) / (1 - EPSILON), exact)
-    by_energy = orders.choose(material(sigma), tolerance=BRDF_EPSILON, criterion="brdf")
+    by_energy = orders.choose(None, material(sigma), tolerance=BRDF_EPSILON, criterion="brdf")
     F, P = enough(light, sigma, frames, exact, min(angular, rescaled))
     return {
         "sigma": sigma,
@@ -387,7 +388,7 @@ def all_maps(plan: Prefilter, light: Environment) -> Call:
 
 def in_one_shot(light: Environment, sigma: float, chosen: tuple[int, int]) -> ReflectionMap:
     """Light and material to the SHRM, with nothing kept from before."""
-    orders.analysed.cache_clear()
+    analyse.cache_clear()
     return shrm_of(Environment(light.pixels), sigma, chosen)
 
 

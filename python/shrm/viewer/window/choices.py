@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from shrm.frequency.prefilter import Window
+from shrm.frequency.request import Window
 from shrm.render.tangents import Tangents
 from shrm.viewer.gpu.scene import Viewer
 from shrm.viewer.window.integration import COARSENESS, ROWS

@@ -10,7 +10,7 @@ import numpy as np
 from shrm import brdf, sh
 from shrm.arrays import Float32Array, FloatArray
 from shrm.environment import Environment
-from shrm.frequency.prefilter import Window
+from shrm.frequency.request import Window
 from shrm.integrate.angular import integrate, prefilter_angular
 from shrm.render.camera import Camera
 from shrm.render.picture import Object, Picture, Reflection, render

@@ -279,7 +279,7 @@ class _Lit:
             except ValueError:  # lobes of another kind
                 pass
         if request.orders is None:
-            chosen = choose(material, request.tolerance, env=environment, F_max=F_MAX, P_max=P_MAX)
+            chosen = choose(environment, material, tolerance=request.tolerance, F_max=F_MAX, P_max=P_MAX)
             degree = chosen.F + chosen.P
         else:
             degree = sum(request.orders)

@@ -12,7 +12,7 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.frequency.orders import require_orders, require_tolerance
-from shrm.frequency.prefilter import Window
+from shrm.frequency.request import Window
 from shrm.render.tangents import Tangents
 from shrm.validation import flag, number, one_of, require_instance, rotation, string, whole_number
 from shrm.viewer.gpu.scene import Viewer

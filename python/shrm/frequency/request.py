@@ -1,0 +1,162 @@
+"""What is asked of prefiltering: one list of arguments, checked once."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass
+from functools import wraps
+from typing import Any, Concatenate, Literal, ParamSpec, TypeVar, get_args
+
+from shrm.brdf import BRDF
+from shrm.brdf.lobe import Center
+from shrm.environment import Environment
+from shrm.frequency.orders import (
+    F_MAX,
+    P_MAX,
+    Criterion,
+    require_lobes,
+    require_orders,
+    require_tolerance,
+)
+from shrm.lobes.reflection import Layout
+from shrm.validation import flag, one_of, require_instance, whole_number
+
+Window = Literal["hann", "lanczos"]
+
+LARGEST_SIZE = 8192
+"""Rows of a map; those of lat-long maps are even."""
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """The arguments of `shrm.prefilter`, which says what they are; checked, and in one form each.
+
+    Attributes
+    ----------
+    brdf : BRDF
+        The material with its lobes about the centers that they are to have.
+    orders : (int, int) or None
+    layout : {"latlong", "cube"}
+        "strip" is taken for "cube".
+    env, tolerance, criterion, size, center, F_max, P_max, window, clamp, half, residual
+        As they were given.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of another type or out of its range, or a residual does not go with others.
+    """
+
+    env: Environment
+    brdf: BRDF
+    _: KW_ONLY
+    tolerance: float = 0.05
+    orders: tuple[int, int] | None = None
+    criterion: Criterion = "light"
+    size: int | None = None
+    layout: Layout = "latlong"
+    center: Center | None = None
+    F_max: int = F_MAX
+    P_max: int = P_MAX
+    window: Window | None = None
+    clamp: bool = False
+    half: bool = False
+    residual: Literal["auto"] | None = None
+
+    def __post_init__(self) -> None:
+        require_instance("env", self.env, Environment)
+        require_instance("brdf", self.brdf, BRDF, what="a material of shrm.brdf")
+        one_of("criterion", self.criterion, get_args(Criterion))
+        if self.window is not None:
+            one_of("window", self.window, get_args(Window))
+        if self.residual is not None:
+            one_of("residual", self.residual, ("auto",))
+            if self.criterion != "light" or self.window is not None:
+                raise ValueError("residual='auto' is for criterion='light' without a window")
+        require_orders(self.F_max, self.P_max, names=("F_max", "P_max"))
+        self._set("brdf", centered(self.brdf, self.center))
+        self._set("layout", one_of("layout", _one_name(self.layout), get_args(Layout)))
+        self._set("size", None if self.size is None else _even_size(self.size))
+        self._set("clamp", flag("clamp", self.clamp))
+        self._set("half", flag("half", self.half))
+        self._set("tolerance", require_tolerance(self.tolerance))
+        if self.orders is None:
+            require_lobes(self.brdf, self.criterion)
+        else:
+            self._set("orders", _pair(self.orders))
+
+    def _set(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
+
+
+def centered(brdf: BRDF, center: Center | None) -> BRDF:
+    """Return a material with its lobes about a center; None leaves them about their own."""
+    return brdf if center is None else brdf.recentered(center)
+
+
+def _one_name(layout: str) -> str:
+    """The name that maps on a cube have here: as a picture such a map is a strip of faces."""
+    return "cube" if layout == "strip" else layout
+
+
+def _even_size(size: int) -> int:
+    rows = whole_number("size", size, 2, LARGEST_SIZE)
+    if rows % 2:
+        raise ValueError(f"size must be even, got {rows}")
+    return rows
+
+
+def _pair(orders: tuple[int, int]) -> tuple[int, int]:
+    try:
+        F, P = orders
+    except (TypeError, ValueError):
+        raise ValueError(f"orders must be a pair (F, P), got {orders!r}") from None
+    require_orders(F, P)
+    return int(F), int(P)
+
+
+Arguments = ParamSpec("Arguments")
+Self = TypeVar("Self")
+Result = TypeVar("Result")
+
+
+def takes(
+    request: Callable[Arguments, Request],
+) -> Callable[[Callable[[Request], Result]], Callable[Arguments, Result]]:
+    """Give a function of a request the request's own arguments, in help and to type checkers too."""
+
+    def decorated(function: Callable[[Request], Result]) -> Callable[Arguments, Result]:
+        @wraps(function)
+        def with_arguments(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+            return function(request(*args, **kwargs))
+
+        _show_arguments(with_arguments, request)
+        return with_arguments
+
+    return decorated
+
+
+def method_takes(
+    request: Callable[Arguments, Request],
+) -> Callable[[Callable[[Self, Request], Result]], Callable[Concatenate[Self, Arguments], Result]]:
+    """Do for a method what `takes` does for a function."""
+
+    def decorated(
+        method: Callable[[Self, Request], Result],
+    ) -> Callable[Concatenate[Self, Arguments], Result]:
+        @wraps(method)
+        def with_arguments(self: Self, /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+            return method(self, request(*args, **kwargs))
+
+        _show_arguments(with_arguments, request, inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY))
+        return with_arguments
+
+    return decorated
+
+
+def _show_arguments(function: Any, request: Callable[..., Request], *first: inspect.Parameter) -> None:
+    """Make `help` show the arguments of a request, after others, and what the function returns."""
+    parameters = [*first, *inspect.signature(request).parameters.values()]
+    returns = function.__annotations__.get("return", inspect.Signature.empty)
+    function.__signature__ = inspect.Signature(parameters, return_annotation=returns)
