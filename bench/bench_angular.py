@@ -18,7 +18,7 @@ from shrm import Environment, brdf
 from shrm.environment.layouts import directions
 from shrm.integrate.angular import AngularReflection, integrate, prefilter_angular
 from shrm.integrate.angular_lobes import IsotropicIntegral
-from shrm_papers.flops import (
+from shrm_papers.rh02.flops import (
     FLOPS_OF_SUM,
     FLOPS_OF_WEIGHT,
     half_angle_flops,

@@ -9,9 +9,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 from shrm.render import Mesh
+from shrm_papers.lk03.methods import compare
+from shrm_papers.lk03.subject import DIRECTIONS, Subject
 from shrm_papers.lk03.table_1 import PAPER
-from shrm_papers.lk03.transfer_methods import compare
-from shrm_papers.lk03.transfer_subject import DIRECTIONS, Subject
 
 
 def main(mesh: str) -> None:

@@ -1,4 +1,4 @@
-"""Ways to store reflected light, held against direct integration: pictures of a sphere, and random frames."""
+"""Representations of reflected light held against direct integration: pictures of a sphere, random frames."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ import numpy as np
 from shrm.arrays import FloatArray
 from shrm.render import Picture, Reflection
 
+from shrm_papers.errors import relative_rms
 from shrm_papers.result import Cell
-from shrm_papers.spheres import View, caption, difference, relative_rms, show, sphere
+from shrm_papers.spheres import View, caption, difference, picture_error, show, sphere
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,13 +30,13 @@ class Representation:
     ----------
     name : str
     center : str
-        The direction that its maps are looked up by.
+        The direction by which its maps are looked up.
     maps : int
-        Pictures of the sphere that it takes.
+        Number of its maps.
     nbytes : int
-        What they take as float32.
+        Bytes of its maps as float32.
     reflection : Reflection
-        What gives the radiance.
+        The radiance that they give.
     """
 
     name: str
@@ -47,7 +48,15 @@ class Representation:
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """A representation, its picture, and its relative RMS errors, colors pooled."""
+    """A representation with its picture and its errors.
+
+    Attributes
+    ----------
+    representation : Representation
+    picture : Picture
+    error, frames_error : float
+        Relative RMS, colors pooled: of the picture, and over random frames.
+    """
 
     representation: Representation
     picture: Picture
@@ -56,19 +65,19 @@ class Judged:
 
     @property
     def cells(self) -> list[Cell]:
-        """A row of the table, under `COLUMNS`."""
-        this = self.representation
-        return [this.name, this.center, this.maps, this.nbytes / 1e6, self.error, self.frames_error]
+        """The row of the table under `COLUMNS`."""
+        form = self.representation
+        return [form.name, form.center, form.maps, form.nbytes / 1e6, self.error, self.frames_error]
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Random frames: N uniform, cos^2 of the view's angle to N uniform, T anywhere across N.
+    """Random frames: N uniform over the sphere, cos^2(theta_v) uniform, T uniform across N.
 
     Attributes
     ----------
     normals, views, tangents : (n, 3) float64
-        Unit vectors.
+        Unit vectors N, V, T.
     """
 
     normals: FloatArray
@@ -77,7 +86,7 @@ class Frames:
 
     @classmethod
     def drawn(cls, n: int, seed: int = 20020721) -> Frames:
-        """Draw n of them."""
+        """Draw n frames."""
         rng = np.random.default_rng(seed)
         N = _unit(rng.normal(size=(n, 3)))
         cosine = np.sqrt(rng.uniform(size=(n, 1)))
@@ -85,18 +94,18 @@ class Frames:
         return cls(N, _unit(V), _across(N, rng))
 
     def radiance(self, reflection: Reflection) -> FloatArray:
-        """Return what a reflection gives for all of them, (n, 3)."""
+        """Return the radiance of a reflection in every frame, (n, 3)."""
         N, V, T = (np.ascontiguousarray(x, np.float32) for x in (self.normals, self.views, self.tangents))
         return reflection.radiance(N, V, tangents=T).astype(np.float64)
 
 
 class Truth:
-    """The reflected light by direct integration.
+    """The reflected light by direct integration, which representations are judged by.
 
     Attributes
     ----------
     picture : Picture
-        Of a sphere.
+        The sphere.
     """
 
     def __init__(self, exact: Reflection, view: View, pixels: int, frames: Frames):
@@ -104,45 +113,46 @@ class Truth:
         self._view, self._pixels, self._frames = view, pixels, frames
         self._radiance = frames.radiance(exact)
 
-    def judge(self, this: Representation) -> Judged:
+    def judge(self, representation: Representation) -> Judged:
         """Draw a representation and measure its errors."""
-        picture = sphere(this.reflection, self._view, self._pixels)
-        missed = self._frames.radiance(this.reflection) - self._radiance
-        frames_error = float(np.sqrt(np.sum(missed**2) / np.sum(self._radiance**2)))
-        return Judged(this, picture, relative_rms(picture, self.picture), frames_error)
+        reflection = representation.reflection
+        picture = sphere(reflection, self._view, self._pixels)
+        frames_error = relative_rms(self._frames.radiance(reflection), self._radiance)
+        return Judged(representation, picture, picture_error(picture, self.picture), frames_error)
 
 
 class Pictured(Protocol):
-    """What there is a picture of."""
+    """Anything with a picture."""
 
     @property
     def picture(self) -> Picture:
-        """Linear."""
+        """Linear radiance."""
 
 
 class Compared(Pictured, Protocol):
-    """What a picture is held against another for."""
+    """Anything with a picture that was compared with the correct one."""
 
     @property
     def error(self) -> float:
-        """Relative RMS, colors pooled."""
+        """Relative RMS of the picture, colors pooled."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """Two lines of a figure: the correct picture and others, and below them what they are off by.
+    """Two rows of a figure: the correct picture and others, and below these their differences from it.
 
     Attributes
     ----------
     name : str
-        Of the material.
+        The material's.
     truth : Pictured
+        The correct picture.
     columns : sequence of (str, Compared)
-        Titles, of two lines, and what stands below them.
+        The others with their titles, of two lines each.
     correct : str
         The title of the correct picture.
     gain : float
-        What differences are multiplied by.
+        Factor that differences are shown with.
     """
 
     name: str
@@ -152,11 +162,12 @@ class Block:
     gain: float = 1.0
 
 
-CELL, LABEL, TITLE, GAP = 1.75, 0.35, 0.5, 0.45  # inches
+CELL, LABEL, TITLE, GAP = 1.75, 0.35, 0.5, 0.45
+"""Inches: side of a picture, labels at the left, titles above, and space between blocks."""
 
 
 def draw_blocks(blocks: Sequence[Block], beside: float = 0.0) -> Figure:
-    """Draw blocks below each other; each has one exposure, from its correct picture.
+    """Draw blocks below one another, each with one exposure, that of its correct picture.
 
     Parameters
     ----------
@@ -166,20 +177,22 @@ def draw_blocks(blocks: Sequence[Block], beside: float = 0.0) -> Figure:
     """
     from matplotlib.figure import Figure
 
+    # The figure is as large as its cells of fixed size.
     columns = 1 + max(len(block.columns) for block in blocks)
     width = LABEL + CELL * columns + beside
     height = len(blocks) * (TITLE + 2 * CELL) + (len(blocks) - 1) * (GAP - TITLE) + 0.05
     figure = Figure(figsize=(width, height))
     exposures = [unclipped(block.truth.picture) for block in blocks]
 
-    def place(picture: Picture, block: int, line: int, column: int) -> Axes:
-        top = TITLE + block * (2 * CELL + GAP) + line * CELL
+    def place(picture: Picture, block: int, row: int, column: int) -> Axes:
+        top = TITLE + block * (2 * CELL + GAP) + row * CELL
         corner = (LABEL + CELL * column) / width, (height - top - CELL) / height
         axes = figure.add_axes((*corner, CELL / width, CELL / height))
-        gain = float(np.log2(blocks[block].gain)) if line == 1 else 0.0
+        gain = float(np.log2(blocks[block].gain)) if row == 1 else 0.0
         show(axes, picture, exposures[block] + gain)
         return axes
 
+    # The correct picture, then each other one above its difference.
     for k, block in enumerate(blocks):
         axes = place(block.truth.picture, k, 0, 0)
         axes.set_title(block.correct, fontsize=9)
@@ -195,13 +208,13 @@ def draw_blocks(blocks: Sequence[Block], beside: float = 0.0) -> Figure:
 
 
 def unclipped(picture: Picture) -> float:
-    """Stops that put the 98th percentile of what is covered, in its strongest color, at its limit."""
+    """Return the exposure in stops that shows the 98th percentile of the strongest colors as 1."""
     bright = np.percentile(picture.radiance[picture.coverage >= 0.5].max(axis=-1), 98.0)
     return -float(np.log2(bright)) if bright > 0 else 0.0
 
 
 def _across(N: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Unit vectors across N, uniform around it."""
+    """Return unit vectors across N, uniform around it."""
     return _unit(np.cross(N, _unit(rng.normal(size=N.shape))))
 
 

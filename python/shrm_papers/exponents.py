@@ -1,4 +1,4 @@
-"""How a cost grows: a power law fitted to times over a range of sizes."""
+"""Power laws fitted to times over a range of sizes: how a cost grows."""
 
 from __future__ import annotations
 
@@ -16,9 +16,8 @@ class PowerLaw:
     Attributes
     ----------
     exponent, factor : float
-        Of the fit.
     deviation : float
-        Standard error of the exponent, from what the fit leaves; 0 for two sizes, or if it was given.
+        Standard error of the exponent, from the residuals; 0 for two sizes or a given exponent.
     """
 
     exponent: float
@@ -26,7 +25,7 @@ class PowerLaw:
     deviation: float
 
     def at(self, sizes: npt.ArrayLike) -> FloatArray:
-        """Return the fit's seconds."""
+        """Return the law's seconds at sizes."""
         return np.asarray(self.factor * np.asarray(sizes, dtype=np.float64) ** self.exponent)
 
     def crossing(self, other: PowerLaw) -> float:
@@ -35,14 +34,19 @@ class PowerLaw:
 
 
 def fit(sizes: npt.ArrayLike, seconds: npt.ArrayLike, exponent: float | None = None) -> PowerLaw:
-    """Fit a power law to at least two different sizes and their times, all positive.
+    """Fit a power law.
 
-    Where an exponent is given, by a theory, only the factor is fitted.
+    Parameters
+    ----------
+    sizes, seconds : (n,) array_like
+        At least two different sizes and their times, all positive.
+    exponent : float, optional
+        A theory's exponent, if only the factor is to be fitted.
 
     Raises
     ------
     ValueError
-        If they are not that.
+        If sizes and times are not as described.
     """
     x, y = (np.asarray(values, dtype=np.float64) for values in (sizes, seconds))
     if x.ndim != 1 or x.shape != y.shape or len(np.unique(x)) < 2:
@@ -54,8 +58,8 @@ def fit(sizes: npt.ArrayLike, seconds: npt.ArrayLike, exponent: float | None = N
     if exponent is not None:
         return PowerLaw(exponent, float(np.exp(np.mean(log_y - exponent * log_x))), 0.0)
     exponent = float(centered @ log_y / (centered @ centered))
-    left = log_y - log_y.mean() - exponent * centered
-    variance = left @ left / (len(x) - 2) if len(x) > 2 else 0.0
+    residuals = log_y - log_y.mean() - exponent * centered
+    variance = residuals @ residuals / (len(x) - 2) if len(x) > 2 else 0.0
     return PowerLaw(
         exponent,
         float(np.exp(log_y.mean() - exponent * log_x.mean())),

@@ -1,4 +1,4 @@
-"""Meshes that are bent grids: the torus and the sphere of [KVHS00] section 5.2, and for who has no mesh."""
+"""Meshes that are bent grids: the torus and sphere of [KVHS00] section 5.2, stand-ins for scanned objects."""
 
 from __future__ import annotations
 
@@ -35,12 +35,13 @@ def knot(around: int = 512, rings: int = 84, tube: float = 0.3) -> Mesh:
 
 
 def _grid(around: int, rings: int) -> tuple[FloatArray, FloatArray]:
+    """Return both angles of every vertex, (around rings,)."""
     a, b = np.meshgrid(np.arange(around) / around, np.arange(rings) / rings, indexing="ij")
     return 2 * np.pi * a.ravel(), 2 * np.pi * b.ravel()
 
 
 def _closed_faces(around: int, rings: int) -> IntArray:
-    """Two triangles for every cell of a grid that closes in both directions."""
+    """Return two triangles for every cell of a grid that closes in both directions."""
     i, j = (k.ravel() for k in np.meshgrid(np.arange(around), np.arange(rings), indexing="ij"))
     corners = [(x % around) * rings + y % rings for x, y in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
     faces = [np.stack([corners[k] for k in triangle], axis=1) for triangle in ((0, 1, 2), (0, 2, 3))]
@@ -54,35 +55,28 @@ def ball(around: int = 36, bands: int = 37) -> Mesh:
     outward = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=1)
     i, j = (k.ravel() for k in np.meshgrid(np.arange(bands), np.arange(around), indexing="ij"))
     corners = [x * around + y % around for x, y in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
-    lower = np.stack([corners[k] for k in (0, 1, 2)], axis=1)[
-        i < bands - 1
-    ]  # beside a pole one of both is a line
+    # Of the two triangles beside a pole one is a line.
+    lower = np.stack([corners[k] for k in (0, 1, 2)], axis=1)[i < bands - 1]
     upper = np.stack([corners[k] for k in (0, 2, 3)], axis=1)[i > 0]
     return Mesh(outward, np.concatenate([lower, upper]), outward)
 
 
+POT = (
+    *((0.0, 1.18), (0.16, 1.18), (0.2, 1.06), (0.08, 0.98), (0.3, 0.9), (0.72, 0.82)),
+    *((0.78, 0.72), (1.05, 0.45), (1.2, 0.0), (1.05, -0.45), (0.7, -0.62), (0.0, -0.62)),
+)
+"""Corners (radius, height) of the pot's profile, from the knob down; the curve runs inside of them."""
+
+
 def pot(around: int = 128) -> Mesh:
-    """Return a bellied pot with a lid and a knob, turned about z; for who has no teapot."""
-    profile = np.array(  # radius and height, of a curve through the middles of these edges
-        [
-            (0.0, 1.18),
-            (0.16, 1.18),
-            (0.2, 1.06),
-            (0.08, 0.98),
-            (0.3, 0.9),
-            (0.72, 0.82),
-            (0.78, 0.72),
-            (1.05, 0.45),
-            (1.2, 0.0),
-            (1.05, -0.45),
-            (0.7, -0.62),
-            (0.0, -0.62),
-        ]
-    )
-    for _ in range(3):  # corners are cut [Chaikin 1974], ends stay
+    """Return a bellied pot with a lid and a knob, turned about z, in place of a teapot."""
+    profile = np.array(POT)
+    # Corners are cut thrice by Chaikin's rule; both ends stay.
+    for _ in range(3):
         low, high = profile[:-1], profile[1:]
         cut = np.stack([0.75 * low + 0.25 * high, 0.25 * low + 0.75 * high], axis=1).reshape(-1, 2)
         profile = np.concatenate([profile[:1], cut, profile[-1:]])
+    # The profile is turned about z; triangles at the poles are lines where the radius is 0.
     radius, z = profile.T
     phi = 2 * np.pi * np.arange(around) / around
     rings = len(profile)

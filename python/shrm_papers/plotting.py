@@ -1,4 +1,4 @@
-"""The look of the pictures: ours as filled marks, the paper's figures as open ones or dashed lines."""
+"""The look of graphs: measured values as filled marks, the papers' as open ones on dashed lines."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLORS = ("#0b6fb8", "#d1495b", "#2e8b57", "#e08e0b", "#7b4fa3", "#5b6770", "#17a2a2", "#a0522d")
-"""Told apart in print and by the color-blind, together with the marks."""
+"""Together with the marks told apart in print and by the color-blind."""
 
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "p")
 
 
 def panels(rows: int, columns: int, width: float, height: float) -> tuple[Figure, list[Axes]]:
-    """Return a figure of that size in inches and its axes, row by row, with nothing of pyplot's state."""
+    """Return a figure of width x height inches and its axes, row by row, without pyplot's global state."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
@@ -41,14 +41,14 @@ def plain_log(axis: Axis, base: float = 10.0, subs: Sequence[float] = (1.0,), pe
 
 
 def measured_line(panel: Axes, index: int, label: str, x: npt.ArrayLike, y: npt.ArrayLike) -> None:
-    """Draw what was measured: filled marks, joined."""
+    """Draw measured values: filled marks, joined."""
     panel.plot(
         x, y, MARKS[index], color=COLORS[index], linestyle="-", linewidth=1.6, markersize=6, label=label
     )
 
 
 def papers_line(panel: Axes, index: int, label: str, x: npt.ArrayLike, y: npt.ArrayLike) -> None:
-    """Draw the paper's: open marks, dashed."""
+    """Draw a paper's values: open marks, joined by dashes."""
     panel.plot(
         x,
         y,

@@ -1,4 +1,4 @@
-"""What a reproduction of a table or figure is: rows of numbers, and a picture, written beside each other."""
+"""A table or figure made again: rows of numbers, notes and a picture, and what they are made from."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ Cell = str | int | float | None
 
 @dataclass(frozen=True)
 class Settings:
-    """What the reproductions are made from.
+    """What results are made from.
 
     Attributes
     ----------
     env : Environment
         The light.
     env_name : str
-        How the light is called in titles.
+        The light's name in titles.
     fits : Path or None
         A folder with published fits to measured materials (`merl_abc_low2012.json`, ...), in place of those
         that come with the package.
@@ -37,7 +37,7 @@ class Settings:
     mesh : Path or None
         A mesh to draw, y upwards.
     quick : bool
-        Fewer rows and samples: to see that everything runs.
+        Whether to take fewer rows and samples, only to see that everything runs.
     """
 
     env: Environment
@@ -55,11 +55,11 @@ class Result:
     Attributes
     ----------
     name : str
-        "rh02-table-4", "rh02-figure-6": the stem of its files.
+        The stem of its files, such as "rh02-table-4".
     title : str
-        What it shows, one line, without the paper's number: the name has it.
+        What it shows in one line, without the number in the paper, which the name has.
     columns : sequence of str
-        Headings; those of the paper's own figures end in "[RH02]".
+        Headings; those of the paper's own numbers end in its key, such as "[RH02]".
     rows : sequence of sequences
         Cells, None where there is nothing to compare with.
     notes : sequence of str
@@ -67,7 +67,7 @@ class Result:
     figure : matplotlib Figure or None
         The picture.
     summary : (columns, rows) or None
-        A shorter table that stands before the whole one where it is read; not in the CSV.
+        A shorter table that stands before the full one in the Markdown; not in the CSV.
     """
 
     name: str
@@ -116,15 +116,17 @@ def _heading(name: str) -> str:
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[Cell]]) -> list[str]:
+    """Return the lines of a Markdown table."""
     lines = [_row(columns), _row("---" for _ in columns)]
-    return lines + [_row(_shown(cell) for cell in row) for row in rows]
+    return lines + [_row(_text(cell) for cell in row) for row in rows]
 
 
 def _row(cells: Iterable[str]) -> str:
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
-def _shown(cell: Cell) -> str:
+def _text(cell: Cell) -> str:
+    """Return a cell to three digits, or to whole numbers above a thousand."""
     if cell is None:
         return ""
     if not isinstance(cell, float):

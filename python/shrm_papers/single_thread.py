@@ -1,4 +1,4 @@
-"""Times that other work on the machine hardly touches: processor time, in a process of one thread.
+"""Processor time in a process of one thread: times that other work on the machine hardly touches.
 
 Threads that wait for each other at a barrier are slowed by whole time slices where something else runs, and
 their wall times then say nothing of the work. How many threads there are is fixed when the core is loaded:
@@ -26,21 +26,22 @@ from shrm_papers.result import Settings
 
 
 def measured(module: str, settings: Settings) -> Any:
-    """Return `measure(env, quick)` of a module of this package, run in a process of one thread.
+    """Return what `measure(env, quick)` of a module of this package returns in a process of one thread.
 
     Parameters
     ----------
     module : str
-        Its full name; what its `measure` returns goes through JSON.
+        Its full name. What `measure` returns goes through JSON.
     settings : Settings
         The environment, and whether to be quick.
 
     Raises
     ------
     RuntimeError
-        If it failed there; the last line it printed is in the message.
+        If it failed there; the last line that it printed is in the message.
     """
-    one = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    # The child loads the core with one thread.
+    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     # A BLAS held to older instructions would make the machine's peak look lower than it is.
     env = {name: value for name, value in os.environ.items() if name != "OPENBLAS_CORETYPE"}
     with tempfile.TemporaryDirectory() as folder:
@@ -48,16 +49,16 @@ def measured(module: str, settings: Settings) -> Any:
         np.save(light, settings.env.pixels)
         command = [sys.executable, "-m", __name__, module, str(light), "quick" if settings.quick else "full"]
         done = subprocess.run(
-            command, env={**env, **one}, capture_output=True, text=True, stdin=subprocess.DEVNULL
+            command, env={**env, **one_thread}, capture_output=True, text=True, stdin=subprocess.DEVNULL
         )
     if done.returncode != 0:
-        said = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
-        raise RuntimeError(f"{module}: {said[-1]}")
+        messages = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
+        raise RuntimeError(f"{module}: {messages[-1]}")
     return json.loads(done.stdout)
 
 
 def processor_seconds(calls: Sequence[Callable[[], object]], rounds: int) -> FloatArray:
-    """Time each call once in every round, after one that does not count; (rounds, calls) seconds.
+    """Return the seconds of each call in every round, (rounds, calls), after one that does not count.
 
     All calls take turns, so that a disturbance falls on all alike.
     """
@@ -73,6 +74,6 @@ def processor_seconds(calls: Sequence[Callable[[], object]], rounds: int) -> Flo
 
 
 if __name__ == "__main__":
-    name, path, how = sys.argv[1:]
-    found = import_module(name).measure(Environment(np.load(path, allow_pickle=False)), how == "quick")
-    print(json.dumps(found))
+    name, path, extent = sys.argv[1:]
+    light = Environment(np.load(path, allow_pickle=False))
+    print(json.dumps(import_module(name).measure(light, extent == "quick")))

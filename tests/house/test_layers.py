@@ -69,6 +69,12 @@ def module_name(path: Path) -> str:
 
 FILES = {module_name(path): path for path in sorted(PACKAGES.rglob("*.py"))}
 MODULES = {name for name in FILES if name.split(".")[0] == "shrm"} - {"shrm"}
+OF_PAPERS = {name for name in FILES if name.split(".")[0] == "shrm_papers"} - {"shrm_papers"}
+
+# shrm_papers, in the order that its docstring gives; the papers stand in one line of it.
+PAPERS = ["rh02", "kvhs00", "lk03"]
+PAPERS_DOC = ast.get_docstring(ast.parse(FILES["shrm_papers"].read_text())) or ""
+ORDER_OF_PAPERS = re.findall(r"^    (\w+)(?=  |/)", PAPERS_DOC, re.M)
 
 
 def imports(path: Path) -> set[str]:
@@ -115,6 +121,21 @@ def test_no_two_modules_import_each_other() -> None:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
         pytest.fail(f"modules import each other: {' -> '.join(error.args[1])}")
+
+
+def test_the_order_of_shrm_papers_is_that_of_its_docstring() -> None:
+    assert {room_of(module) for module in OF_PAPERS} == {*ORDER_OF_PAPERS, *PAPERS}
+
+
+@pytest.mark.parametrize("module", sorted(OF_PAPERS))
+def test_papers_know_what_they_share_and_not_each_other(module: str) -> None:
+    place = {room: ORDER_OF_PAPERS.index(room) for room in ORDER_OF_PAPERS}
+    place |= dict.fromkeys(PAPERS, place["rh02"])
+    room = room_of(module)
+    own = {name for name in imported_modules(FILES[module]) if name.startswith("shrm_papers")}
+    assert "shrm_papers" not in own, f"{module} imports the package's front door"
+    others = {room_of(name) for name in own} - {room}
+    assert {other for other in others if place[other] >= place[room]} == set()
 
 
 def test_nothing_of_the_library_imports_the_papers() -> None:

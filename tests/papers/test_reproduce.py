@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from shrm.prefiltered import explicit
 from shrm.prefiltered.icosahedron import icosahedron
-from shrm_papers import names
-from shrm_papers import representations as forms
+from shrm_papers import RESULTS
 from shrm_papers.exponents import fit
 from shrm_papers.result import Result
+from shrm_papers.rh02 import light_fields as forms
 from shrm_papers.rh02.table_3 import PANELS
 from support.directions import sphere
 
@@ -107,12 +107,12 @@ def table_over_R() -> np.ndarray:
 def test_the_command_writes_every_result_and_the_index(shrm: Command, sky: Path, tmp_path: Path) -> None:
     status, out, err = shrm("reproduce", "--env", sky, "--quick", "-o", tmp_path / "out")
     assert (status, err) == (0, "")
-    assert [line.split()[0] for line in out.splitlines()[:-1]] == list(names())
+    assert [line.split()[0] for line in out.splitlines()[:-1]] == list(RESULTS)
     written = {path.name for path in (tmp_path / "out").iterdir()}
-    assert written == {f"{name}.{kind}" for name in names() for kind in ("csv", "md", "png")} | {"index.md"}
+    assert written == {f"{name}.{kind}" for name in RESULTS for kind in ("csv", "md", "png")} | {"index.md"}
     index = (tmp_path / "out" / "index.md").read_text()
     assert "- Environment: sky, 32 x 16" in index
-    for name in names():
+    for name in RESULTS:
         assert f"]({name}.png)" in index
         with (tmp_path / "out" / f"{name}.csv").open(newline="") as file:
             header, *rows = csv.reader(file)
@@ -133,7 +133,7 @@ def test_only_what_is_asked_for_or_nothing(shrm: Command, tmp_path: Path) -> Non
     assert status == 2
     assert len(err.splitlines()) == 1
     assert "'tabel-3'" in err
-    assert all(name in err for name in names())
+    assert all(name in err for name in RESULTS)
     status, _, err = shrm("reproduce", "--fits", tmp_path / "nowhere", "-o", tmp_path / "out")
     assert status == 1
     assert str(tmp_path / "nowhere") in err

@@ -78,7 +78,7 @@ def test_what_a_folder_lacks_is_named_in_a_line(shrm: Command, tmp_path: Path) -
     assert str(tmp_path / "nowhere") in err
 
 
-@pytest.mark.parametrize("panel", figure_1.PANELS, ids=lambda panel: panel.here)
+@pytest.mark.parametrize("panel", figure_1.PANELS, ids=lambda panel: panel.name)
 def test_the_object_fills_its_panel_and_stays_within(panel: figure_1.Panel) -> None:
     camera, mesh = figure_1.framed(SHAPE, panel)
     x, y = camera.project(mesh.vertices, *figure_1.PANEL)
@@ -93,7 +93,7 @@ def test_the_object_fills_its_panel_and_stays_within(panel: figure_1.Panel) -> N
 def test_what_is_seen_faces_the_camera_and_is_on_the_object() -> None:
     panel = figure_1.PANELS[1]
     camera, mesh = figure_1.framed(SHAPE, panel)
-    frames = figure_1.seen(mesh, camera, 500)
+    frames = figure_1.visible_frames(mesh, camera, 500)
     for vectors in (frames.normals, frames.views, frames.tangents):
         assert vectors.shape == (500, 3)
         np.testing.assert_allclose(np.linalg.norm(vectors, axis=1), 1, rtol=1e-6)
@@ -119,7 +119,7 @@ def test_errors_are_relative_and_of_the_map_alone() -> None:
 def test_frames_chosen_by_their_light_stand_for_all() -> None:
     """Weighted means over the chosen are those over all frames, and of the light with less scatter."""
     rm = prefilter(SKY, GGX(0.2), orders=(12, 2))
-    frames, weights = figure_1.of_any_direction(rm, 2000)
+    frames, weights = figure_1.random_frames(rm, 2000)
     every = np.sum(Frames.drawn(32000).radiance(rm) ** 2, axis=1)
     light = weights * np.sum(frames.radiance(rm) ** 2, axis=1)
     # Chances are at least half of the frame's share of the light and half of uniform: weights are at most 2,

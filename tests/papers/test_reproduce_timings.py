@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 from shrm import brdf
-from shrm.environment import Environment
+from shrm.environment import Environment, layouts
 from shrm.integrate.angular import integrate, prefilter_angular
-from shrm_papers import flops
+from shrm_papers.errors import relative_rms, relative_rms_on_sphere
 from shrm_papers.exponents import fit
 from shrm_papers.result import Result, Settings
-from shrm_papers.rh02 import table_4, table_5
+from shrm_papers.rh02 import flops, microfacet_maps, table_4, table_5
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ def test_the_papers_printed_ratios_are_those_of_its_times() -> None:
     printed = (830.6, 333.6, 137.1, 52.6, 21.9, 7.7, 3.3)  # [RH02] table 4, to the rounding of its times
     for (angular, frequency), ratio in zip(table_4.PAPER.values(), printed, strict=True):
         assert angular / frequency == pytest.approx(ratio, rel=0.005, abs=0.05)
-    for _, _, all_maps, one, _, _ in table_5.PAPER.values():
+    for _, _, all_maps, one, _, _ in microfacet_maps.PAPER.values():
         assert all_maps == pytest.approx(100 * one, rel=1e-3)
 
 
@@ -68,12 +68,12 @@ def test_converged_maps_are_the_integrals_of_the_light(light: Environment, s: in
     # Lobes of s = 512 are half as wide as these texels: 6 x 6 nodes are well inside of them.
     whole = prefilter_angular(light, brdf.Phong(s), size=32, subsamples=6).at_view(table_4.VIEW)
     assert isinstance(whole, np.ndarray)
-    assert table_4.map_error(whole, exact) < 2e-3
+    assert relative_rms_on_sphere(whole, exact) < 2e-3
 
 
 def test_both_forms_of_integration_are_one(light: Environment) -> None:
     a, b = (table_4.integrated(light, 32, symmetry) for symmetry in (False, True))
-    assert table_4.map_error(a, b) < 1e-5  # single precision
+    assert relative_rms_on_sphere(a, b) < 1e-5  # single precision
 
 
 def test_samples_are_the_pairs_within_the_width() -> None:
@@ -119,24 +119,24 @@ def test_lines_cross_where_both_cost_the_same() -> None:
 
 def test_the_judge_of_microfacets_agrees_with_the_plain_sum(light: Environment) -> None:
     few = Environment(light.resized(16, 32).pixels)
-    frames = table_5.frames_of(16, 6)
-    angular = table_5.angular_of(few, 0.3, 0.0, subsamples=4)
-    found = frames.integrated(angular)
-    R = table_5.layouts.directions("latlong", 16, 32).reshape(-1, 3)[frames.texels.ravel()]
-    V = np.repeat(frames.views, 6, axis=0)
+    samples = microfacet_maps.draw_samples(16, 6)
+    angular = microfacet_maps.angular_of(few, 0.3, 0.0, subsamples=4)
+    found = samples.integrated(angular)
+    R = layouts.directions("latlong", 16, 32).reshape(-1, 3)[samples.texels.ravel()]
+    V = np.repeat(samples.views, 6, axis=0)
     N = (R + V) / np.linalg.norm(R + V, axis=1, keepdims=True)
-    exact = integrate(few, table_5.material(0.3), N, V, subsamples=4)
-    assert table_5.relative_rms(found, exact) < 1e-4  # of its tables
+    exact = integrate(few, microfacet_maps.material(0.3), N, V, subsamples=4)
+    assert relative_rms(found, exact) < 1e-4  # of its tables
 
 
 def test_texels_of_maps_are_those_that_are_integrated(light: Environment) -> None:
     few = Environment(light.resized(16, 32).pixels)
-    frames = table_5.frames_of(16, 20)
-    angular = table_5.angular_of(few, 0.4, table_5.EPSILON, subsamples=1)
-    maps = [np.asarray(angular.at_view(view)) for view in frames.views]
-    np.testing.assert_allclose(frames.of_maps(maps), frames.integrated(angular), rtol=1e-4)
+    samples = microfacet_maps.draw_samples(16, 20)
+    angular = microfacet_maps.angular_of(few, 0.4, microfacet_maps.EPSILON, subsamples=1)
+    maps = [np.asarray(angular.at_view(view)) for view in samples.views]
+    np.testing.assert_allclose(samples.of_maps(maps), samples.integrated(angular), rtol=1e-4)
     for symmetry in (False, True):
-        timed = table_5.integration(few, 0.4, frames, symmetry)()
+        timed = microfacet_maps.integration(few, 0.4, samples, symmetry)()
         for of_view, again in zip(maps[::2], timed, strict=True):  # type: ignore[call-overload]
             np.testing.assert_allclose(again, of_view, rtol=1e-5, atol=1e-6 * of_view.max())
 
@@ -161,6 +161,6 @@ def test_flops_of_half_angles_are_those_of_their_samples() -> None:
 
 def test_truncated_maps_are_those_of_fewer_degrees(light: Environment) -> None:
     few = Environment(light.resized(16, 32).pixels)
-    made = table_5.shrm_of(few, 0.4, (5, 2)).parts[0].rings
-    cut = table_5.truncated(table_5.shrm_of(few, 0.4, (9, 2)), 5).parts[0].rings
+    made = microfacet_maps.shrm_of(few, 0.4, (5, 2)).parts[0].rings
+    cut = microfacet_maps.truncated(microfacet_maps.shrm_of(few, 0.4, (9, 2)), 5).parts[0].rings
     np.testing.assert_allclose(cut, made, atol=1e-5 * np.abs(made).max())

@@ -20,10 +20,11 @@ from shrm_papers.lk03 import figure_2 as lk_figure_2
 from shrm_papers.lk03 import figure_3 as lk_figure_3
 from shrm_papers.lk03 import figure_4 as lk_figure_4
 from shrm_papers.lk03 import figure_5 as lk_figure_5
+from shrm_papers.lk03 import pictures
+from shrm_papers.lk03 import reference as reference_module
 from shrm_papers.lk03 import table_1 as lk_table_1
-from shrm_papers.lk03 import transfer_pictures, transfer_reference
-from shrm_papers.lk03.transfer_methods import ROTATIONS
-from shrm_papers.lk03.transfer_subject import Subject, n, subject
+from shrm_papers.lk03.methods import ROTATIONS
+from shrm_papers.lk03.subject import Subject, n, subject_of
 from shrm_papers.result import Result
 
 MODULES = (lk_table_1, lk_figure_2, lk_figure_3, lk_figure_4, lk_figure_5)
@@ -38,7 +39,7 @@ def made(module) -> Result:
 
 @cache
 def shadowing() -> Subject:
-    return subject(SETTINGS)
+    return subject_of(SETTINGS)
 
 
 @pytest.fixture(scope="module")
@@ -129,7 +130,7 @@ def test_megabytes_are_those_of_the_arrays():
 
 def test_references_without_shadows_are_the_materials_rows(globe):
     material = brdf.GGX(0.5)
-    reference = transfer_reference.Reference(globe, material, vertices=5, views=7)
+    reference = reference_module.Reference(globe, material, vertices=5, views=7)
     frames, seen = globe.frames[reference.at], reference.seen
     local = np.einsum("pca,vc->pva", frames, reference.views)
     assert seen.any(axis=1).all()
@@ -145,7 +146,7 @@ def test_references_without_shadows_are_the_materials_rows(globe):
 
 def test_a_method_is_judged_by_its_distance_from_the_reference(globe):
     matt = brdf.Lambert(1.0)
-    reference = transfer_reference.Reference(globe, matt, vertices=6, views=6)
+    reference = reference_module.Reference(globe, matt, vertices=6, views=6)
     light = local_coefficients(np.eye(n * n), globe.frames[reference.at])
     transfer = np.einsum("j,pji->pi", rows(matt, [[0, 0, 1]], n)[0], light)[:, None].astype(np.float32)
     assert reference.snr(Diffuse(transfer), shadowed=False) > 100
@@ -196,7 +197,7 @@ def test_the_sum_over_rays_is_matt_reflection_of_what_is_seen():
     this = shadowing()
     light = np.random.default_rng(4).normal(size=(n * n, 3))
     at = np.arange(0, this.size, 50)
-    found = transfer_reference.radiance(this, brdf.Lambert(1.0), light, (3.0, 1.0, 1.0), True, at)
+    found = reference_module.radiance(this, brdf.Lambert(1.0), light, (3.0, 1.0, 1.0), True, at)
     assert not found[np.setdiff1d(np.arange(this.size), at)].any()
     Y, local = harmonics(this.rays, n), local_coefficients(light, this.frames[at])
     cosine = this.rays[:, 2] / np.pi * 2 * np.pi / len(this.rays)
@@ -315,7 +316,7 @@ def test_the_knot_is_a_tube_about_a_trefoil():
 def test_the_object_fills_the_picture(scale):
     mesh = knot(48, 8)
     mesh = Mesh(mesh.vertices * scale, mesh.faces).placed(radius=1.0)
-    x, y = transfer_pictures.framed(mesh).project(mesh.vertices, 100, 100)
+    x, y = pictures.framed(mesh).project(mesh.vertices, 100, 100)
     assert min(x.min(), y.min()) > 0
     assert x.max() < 100
     assert y.max() < 92  # a line of text
@@ -326,15 +327,15 @@ def test_the_object_fills_the_picture(scale):
 
 def test_the_camera_sees_vertices_that_look_at_it():
     this = shadowing()
-    stage = transfer_pictures.Stage(this, SETTINGS)
-    towards = stage.eye - this.mesh.vertices[stage.seen]
-    looking = np.einsum("pc,pc->p", towards, this.mesh.vertex_normals[stage.seen]) > 0
-    assert 0.1 < len(stage.seen) / this.size < 0.7
+    stage = pictures.Stage(this, SETTINGS)
+    towards = stage.eye - this.mesh.vertices[stage.visible]
+    looking = np.einsum("pc,pc->p", towards, this.mesh.vertex_normals[stage.visible]) > 0
+    assert 0.1 < len(stage.visible) / this.size < 0.7
     assert looking.mean() > 0.8
     # A picture of what is seen is the whole picture
     radiance = np.zeros((this.size, 3), np.float32)
     everywhere = np.ones_like(radiance)
-    radiance[stage.seen] = 1
+    radiance[stage.visible] = 1
     np.testing.assert_array_equal(
         stage.shot(radiance).picture.radiance, stage.shot(everywhere).picture.radiance
     )

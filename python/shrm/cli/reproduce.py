@@ -20,12 +20,12 @@ EXAMPLE = "shrm reproduce rh02-table-4 rh02-figure-6 --env grace.hdr -o reproduc
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    from shrm_papers import names
+    from shrm_papers import RESULTS
 
-    known = ", ".join(names())
+    known = ", ".join(RESULTS)
 
     def name(text: str) -> str:
-        if text not in names():
+        if text not in RESULTS:
             raise values.refusal(text, f"one of {known}")
         return text
 
@@ -65,7 +65,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Make each result, write it, then the index of all."""
-    from shrm_papers import Settings, make, names
+    from shrm_papers import RESULTS, Settings, make
     from shrm_papers.index import write_index
 
     for folder in (options.data, options.fits):
@@ -77,13 +77,13 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError(f"{options.env}: every texel is black, and nothing reflects no light")
     settings = Settings(env, Path(options.env).stem, options.fits, options.mesh, options.quick, options.data)
     results = []
-    for name in names():
+    for name in RESULTS:
         if options.names and name not in options.names:
             continue
         start = time.perf_counter()
         with progress(f"Making {name}"):
             result = make(name, settings)
             result.write(options.output)
-        print(f"{name:10} {result.title}, {time.perf_counter() - start:.1f} s", flush=True)
+        print(f"{name:15} {result.title}, {time.perf_counter() - start:.1f} s", flush=True)
         results.append(result)
     print(write_index(options.output, settings, results))

@@ -1,8 +1,8 @@
-"""[KVHS00] figure 3: how circles in a paraboloid map are distorted on the sphere.
+"""[KVHS00] figure 3: the distortion of circles in a paraboloid map when they are projected to the sphere.
 
-The paraboloid map is the stereographic projection: circles in it are circles on the sphere. What deviates is
-the center, which is not the projection of the center. So the distances from there to the border differ, most
-between the points towards and away from the map's center.
+The paraboloid map is the stereographic projection: circles in it are circles on the sphere. But their centers
+are not the projections of the centers, and so the distances from there to the border differ, most between the
+points towards and away from the map's center.
 """
 
 from __future__ import annotations
@@ -22,9 +22,13 @@ if TYPE_CHECKING:
 NAME = "kvhs00-figure-3"
 RADII = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5)
 DISTANCES = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Radii of circles, and distances of their centers from the map's; the disc's radius is 1."""
+
 LARGEST = 0.25
-"""[KVHS00] section 5.2: what the distortion goes up to."""
+"""The largest distortion by [KVHS00] section 5.2."""
+
 POINTS = 720
+"""Points on each circle."""
 
 
 def make(settings: Settings) -> Result:
@@ -50,7 +54,7 @@ def make(settings: Settings) -> Result:
 
 
 def border(r: float, d: float) -> tuple[FloatArray, FloatArray]:
-    """Points of a circle as they lie about the projection of its center: angles (n,) and azimuths (n,)."""
+    """Return a circle's points about the projection of its center: angles (n,) and azimuths (n,)."""
     turn = 2 * np.pi * np.arange(POINTS) / POINTS
     points = _projected(d + r * np.cos(turn), r * np.sin(turn))
     center = _projected(np.array([d]), np.zeros(1))[0]
@@ -61,13 +65,13 @@ def border(r: float, d: float) -> tuple[FloatArray, FloatArray]:
 
 
 def deviation(r: float, d: float) -> float:
-    """The largest deviation of a circle's distances from a constant radius, relative."""
+    """Return the largest relative deviation of a circle's distances from a constant radius."""
     angles, _ = border(r, d)
     return float((angles.max() - angles.min()) / (angles.max() + angles.min()))
 
 
 def _projected(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Where points of the map look, (n, 3)."""
+    """Return the directions of points of the map, (n, 3)."""
     square = x**2 + y**2
     return np.stack([2 * x, 2 * y, 1 - square], axis=1) / (1 + square)[:, None]
 
@@ -88,7 +92,7 @@ def _draw() -> Figure:
 
 
 def _draw_circles(axes: Axes, r: float) -> None:
-    """Circles of one radius as they lie on the sphere about the projections of their centers."""
+    """Draw circles of one radius as they lie on the sphere about the projections of their centers."""
     turn = np.linspace(0, 2 * np.pi, 200)
     for k, d in enumerate((0.0, 0.5, 1.0)):
         angle, azimuth = (np.append(x, x[0]) for x in border(r, d))

@@ -19,6 +19,7 @@ from shrm.render.tonemap import LUMINANCE
 from shrm.viewer import HardwarePrefilter
 from shrm.viewer.gpu.hardware_prefilter import Filter
 
+from shrm_papers.errors import relative_rms
 from shrm_papers.kvhs00.opengl import context_or_note, frame_seconds
 from shrm_papers.result import Cell, Result, Settings
 
@@ -27,10 +28,15 @@ if TYPE_CHECKING:
 
 NAME = "kvhs00-figure-4"
 EXPONENT = 100
+
 SIZE, BORDER = 128, 16
+"""Texels of a face and of its border."""
+
 TAPS = 128
+"""Samples of the exact filter for each texel."""
+
 BRIGHTEST = 0.2
-"""Error that is white in the picture, by the mean luminance."""
+"""The largest error that the picture tells, relative to the mean luminance."""
 
 HARDWARE: tuple[tuple[str, Filter], ...] = (
     ("hardware, two passes", "two-pass"),
@@ -54,15 +60,16 @@ def make(settings: Settings) -> Result:
     looks = face_directions(size, border)
     maps, about = _maps(light, looks, size, border)
     exact = maps["classic"].pixels
-    # Only the discs are looked up; of a texel's solid angle, (1 + |z|)^2 is what varies.
+
+    # Only the discs are looked up. A texel's solid angle is as (1 + |z|)^2.
     z = looks[..., 2] * np.array([1.0, -1.0])[:, None, None]
     weight = np.where(z >= 0, (1 + z) ** 2, 0.0)[..., None]
     rows: list[list[Cell]] = []
-    for name, found in maps.items():
-        square = weight * (found.pixels.astype(np.float64) - exact) ** 2
-        error = float(np.sqrt(square.sum() / (weight * exact.astype(np.float64) ** 2).sum()))
-        milliseconds = None if found.seconds is None else 1e3 * found.seconds
+    for name, filtered in maps.items():
+        error = relative_rms(filtered.pixels, exact, weight)
+        milliseconds = None if filtered.seconds is None else 1e3 * filtered.seconds
         rows.append([name, milliseconds, None if name == "classic" else error])
+
     return Result(
         NAME,
         f"Filters compared at exponent {EXPONENT}, {settings.env_name}",
@@ -78,12 +85,13 @@ def make(settings: Settings) -> Result:
             "texels again.",
             f"OpenGL: {about}." if HARDWARE[0][0] in maps else about,
         ],
-        _draw({name: found.pixels for name, found in maps.items()}, exact, weight),
+        _draw({name: filtered.pixels for name, filtered in maps.items()}, exact, weight),
     )
 
 
 def _maps(light: Environment, looks: FloatArray, size: int, border: int) -> tuple[dict[str, Filtered], str]:
-    """Maps by the filter's name, and the driver or why there is none."""
+    """Return maps by the filter's name, and the driver, or why there is none."""
+    # On the processor
     material, targets = brdf.Phong(EXPONENT), looks.reshape(-1, 3)
     descent = prefilter_hierarchical(light, material, error=0.01)
     integral = prefilter_angular(light, material, tolerance=0.0, subsamples=1)
@@ -92,6 +100,8 @@ def _maps(light: Environment, looks: FloatArray, size: int, border: int) -> tupl
         "classic": _timed(lambda: integral.radiance(targets, targets), looks.shape),
         "hierarchical": _timed(lambda: descent.radiance(targets, targets), looks.shape),
     }
+
+    # By OpenGL
     context, about = context_or_note()
     if context is None:
         return maps, about

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
 from shrm import brdf
 from shrm.environment import Environment
 from shrm.integrate.angular import prefilter_angular
 from shrm.render import Camera, Object, Picture, render
 from shrm.viewer import Context, HardwarePrefilter, Renderer, Scene
 
+from shrm_papers.errors import relative_rms
 from shrm_papers.grid_meshes import torus
 from shrm_papers.kvhs00.opengl import context_or_note, frame_seconds
 from shrm_papers.result import Cell, Result, Settings
@@ -22,10 +22,18 @@ if TYPE_CHECKING:
 
 NAME = "kvhs00-figure-5"
 EXPONENTS = (50, 500)
+
 SIZE, BORDER = 512, 64
+"""Texels of a face and of its border."""
+
 PICTURE, SAMPLES = 384, 3
+"""Pixels across a picture, and samples along each side of a pixel."""
+
 CAMERA = Camera((3.2, 1.6, 0.5), fov=52.0)
-TILT = 60.0  # degrees: the torus stands, and shows the camera its hole
+
+TILT = 60.0
+"""Degrees: the torus stands, and shows the camera its hole."""
+
 COLUMNS = ("environment", "exponent", "filter, ms", "frames/s", "relative RMS error")
 DAYLIGHT = "daylight at noon"
 
@@ -60,7 +68,7 @@ def make(settings: Settings) -> Result:
 def _measure(
     context: Context, lights: dict[str, Environment], quick: bool
 ) -> tuple[list[list[Cell]], dict[str, list[Picture]]]:
-    """Rows of the table, and pictures by the light's name."""
+    """Return the rows of the table, and pictures by the light's name."""
     pixels, samples, size = (32, 1, 64) if quick else (PICTURE, SAMPLES, SIZE)
     renderer = Renderer(pixels, samples=samples, context=context)
     gl, extent = context.gl, (pixels, pixels)
@@ -68,6 +76,7 @@ def _measure(
     shape = torus(tilt=TILT)
     rows: list[list[Cell]] = []
     pictures: dict[str, list[Picture]] = {name: [] for name in lights}
+
     for name, light in lights.items():
         for s in EXPONENTS:
             with HardwarePrefilter(
@@ -80,22 +89,22 @@ def _measure(
                     prefilter.apply_filter()
                     renderer.draw(scene, target)
 
-                alone, whole = frame_seconds(context, [prefilter.apply_filter, frame], 1 if quick else 5)
+                calls = [prefilter.apply_filter, frame]
+                filtering, drawing = frame_seconds(context, calls, 1 if quick else 5)
                 picture = renderer.render(scene)
             pictures[name].append(picture)
-            rows.append([name, s, 1e3 * alone, 1.0 / whole, _error(picture, scene, light, s)])
+            rows.append([name, s, 1e3 * filtering, 1.0 / drawing, _error(picture, scene, light, s)])
     renderer.release()
     return rows, pictures
 
 
 def _error(picture: Picture, scene: Scene, light: Environment, s: int) -> float:
-    """Relative RMS error where the torus fills a pixel, from one sample for each pixel."""
+    """Return the relative RMS error where the torus fills a pixel, by one sample for each pixel."""
     exact = prefilter_angular(light, brdf.Phong(s), tolerance=0.0)
     H, W = picture.coverage.shape
-    wanted = render([Object(scene.objects[0].shape, exact)], CAMERA, W, H, samples=1)
-    both = (picture.coverage == 1) & (wanted.coverage == 1)
-    off = picture.radiance[both] - wanted.radiance[both]
-    return float(np.sqrt((off.astype(np.float64) ** 2).sum() / (wanted.radiance[both] ** 2).sum()))
+    integrated = render([Object(scene.objects[0].shape, exact)], CAMERA, W, H, samples=1)
+    filled = (picture.coverage == 1) & (integrated.coverage == 1)
+    return relative_rms(picture.radiance[filled], integrated.radiance[filled])
 
 
 def _draw(names: Sequence[str], pictures: dict[str, list[Picture]]) -> Figure:

@@ -11,23 +11,38 @@ from shrm import brdf
 from shrm.arrays import Float32Array
 from shrm.integrate.angular import prefilter_angular
 from shrm.prefiltered import Anisotropic
-from shrm.render import Camera, Mesh, Object, Picture, automatic_exposure, display, render
+from shrm.render import Camera, Mesh, Object, Picture, Reflection, automatic_exposure, display, render
 
 from shrm_papers.grid_meshes import pot
-from shrm_papers.result import Cell, Result, Settings
-from shrm_papers.spheres import common_exposure, relative_rms, show
+from shrm_papers.result import Result, Settings
+from shrm_papers.spheres import common_exposure, picture_error, show
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAME = "kvhs00-figure-6"
-SHARPNESS = 0.99  # s
-REFLECTED = 0.011  # the factor with which about as much is reflected as comes in
+
+SHARPNESS = 0.99
+"""The exponent s of the model."""
+
+REFLECTED = 0.011
+"""Factor of the model with which about as much light is reflected as comes in."""
+
 ERROR = 0.003
-ANGLES = (44.0, 39.0, 35.0)  # between v and t, of the slices
+"""Relative RMS error that layers are prefiltered to."""
+
+ANGLES = (44.0, 39.0, 35.0)
+"""Degrees between v and t of the paper's slices."""
+
 SLICES, ROWS, LIGHT = 181, 64, 128
+"""Layers, their rows, and rows of the light."""
+
 PICTURE = (420, 320)
-JUDGED = (84, 64)  # pixels that are integrated too
+"""Width and height of a picture in pixels."""
+
+JUDGED = (84, 64)
+"""The same of pictures that are integrated for their errors."""
+
 CAMERAS = (
     Camera((3.4, 1.2, 1.5), (0.0, 0.0, 0.1), fov=33.0),
     Camera((1.0, -3.4, 0.9), (0.0, 0.0, 0.1), fov=33.0),
@@ -45,38 +60,35 @@ def make(settings: Settings) -> Result:
         env, material, slices=slices, size=rows, error=0.05 if settings.quick else ERROR
     )
     seconds = time.perf_counter() - start
-    shape = _mesh(settings)
-    extent = (60, 45) if settings.quick else PICTURE
+
+    pot = Object(_mesh(settings), maps)
+    extent, samples = ((60, 45), 1) if settings.quick else (PICTURE, 2)
     pictures = [
-        render(
-            [Object(shape, maps)],
-            camera,
-            *extent,
-            background=settings.env,
-            samples=1 if settings.quick else 2,
-        )
-        for camera in CAMERAS
+        render([pot], camera, *extent, background=settings.env, samples=samples) for camera in CAMERAS
     ]
-    exact = prefilter_angular(env, material, tolerance=0.0, subsamples=1)
-    judged = (12, 9) if settings.quick else JUDGED
-    ours, wanted = (
-        [render([Object(shape, found)], camera, *judged, samples=1) for camera in CAMERAS]
-        for found in (maps, exact)
-    )
-    errors = [relative_rms(a, b) for a, b in zip(ours, wanted, strict=True)]
-    table: list[list[Cell]] = [
-        [SHARPNESS, slices, f"{2 * rows} x {rows}", seconds, float(np.sqrt(np.mean(np.square(errors))))]
-    ]
-    at = np.radians(ANGLES) / np.pi * (slices - 1)
-    shown = [maps.maps[round(float(place))] for place in at]
+    places = np.radians(ANGLES) / np.pi * (slices - 1)
+    error = _error(pot, prefilter_angular(env, material, tolerance=0.0, subsamples=1), settings.quick)
     return Result(
         NAME,
         f"A brushed pot by Banks' model, {settings.env_name}",
         COLUMNS,
-        table,
+        [[SHARPNESS, slices, f"{2 * rows} x {rows}", seconds, error]],
         _notes(settings, light),
-        _draw(pictures, shown),
+        _draw(pictures, [maps.maps[round(float(place))] for place in places]),
     )
+
+
+def _error(pot: Object, exact: Reflection, quick: bool) -> float:
+    """Return the relative RMS error of both pictures together, by fewer pixels of each."""
+    extent = (12, 9) if quick else JUDGED
+    errors = [
+        picture_error(
+            render([pot], camera, *extent, samples=1),
+            render([Object(pot.shape, exact)], camera, *extent, samples=1),
+        )
+        for camera in CAMERAS
+    ]
+    return float(np.sqrt(np.mean(np.square(errors))))
 
 
 def _mesh(settings: Settings) -> Mesh:

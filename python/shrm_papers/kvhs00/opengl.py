@@ -19,7 +19,7 @@ def context_or_note() -> tuple[Context | None, str]:
 
 
 def frame_seconds(context: Context, calls: Sequence[Callable[[], object]], rounds: int) -> list[float]:
-    """Median wall time of each call with all that it has the driver do; all take turns in every round.
+    """Return the median wall time of each call with the driver's work; all take turns in every round.
 
     The first call of each does not count: drivers compile shaders when they first draw.
     """

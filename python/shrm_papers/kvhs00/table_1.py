@@ -1,4 +1,4 @@
-"""The table of [KVHS00] section 5.1: Phong's lobe by brute force and by hierarchical descent."""
+"""[KVHS00] section 5.1, the table: Phong's lobe by brute force and by hierarchical descent."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from shrm.integrate.angular import prefilter_angular
 from shrm.integrate.hierarchical import prefilter_hierarchical
 
 from shrm_papers import single_thread
+from shrm_papers.errors import relative_rms_on_sphere
 from shrm_papers.exponents import fit
 from shrm_papers.plotting import measured_line, panels, papers_line, plain_log
-from shrm_papers.representations import root_areas
 from shrm_papers.result import Cell, Result, Settings
 
 if TYPE_CHECKING:
@@ -28,12 +28,25 @@ PAPER = {10: (413, 98), 50: (442, 83), 100: (474, 61), 250: (545, 55), 500: (552
 """[KVHS00] section 5.1: seconds by brute force and hierarchically, at 350 MHz, by the exponent."""
 
 ERROR = 0.01
-WIDTH_LEFT_OUT = 0.05  # of the lobe, beyond its width W [RH02 section 7.4]
-ROWS = 128  # of the light and of the maps: 128 x 256
-SOURCES = (64, 128, 256, 512)  # rows of the light, for maps of one size
-FLOOR = 1e-9  # of the lobe, everywhere: so that brute force leaves no texel out
+"""Relative RMS error that the descent's threshold is found for."""
+
+WIDTH_LEFT_OUT = 0.05
+"""Fraction of the lobe's integral beyond its width W [RH02 section 7.4]."""
+
+ROWS = 128
+"""Rows of the light and of the maps, 128 x 256."""
+
+SOURCES = (64, 128, 256, 512)
+"""Rows of lights for maps of one size."""
+
+FLOOR = 1e-9
+"""Added to the lobe everywhere, so that brute force leaves no texel out."""
+
 SHARPEST = 50
+"""The largest exponent for brute force, whose time does not depend on it: sharper tables leave registers."""
+
 VIEW = (0.0, 0.0, 1.0)
+"""Any view: a radial lobe's map is the same for all."""
 
 COLUMNS = (
     "exponent",
@@ -53,7 +66,7 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Everywhere:
-    """Phong's lobe that is nowhere nothing.
+    """Phong's lobe plus a little everywhere, so that its support is the sphere.
 
     Attributes
     ----------
@@ -65,21 +78,21 @@ class Everywhere:
     center: str = "reflection"
 
     def profile(self, cosine: FloatArray) -> FloatArray:
-        """(s + 1) / 2 pi of cos^s, and a little everywhere."""
+        """Return (s + 1) / 2 pi (cos^s + `FLOOR`)."""
         s = self.exponent
         return np.asarray((s + 1) / (2 * np.pi) * (np.maximum(cosine, 0) ** s + FLOOR))
 
     @property
     def lobes(self) -> tuple[Everywhere]:
-        """Itself."""
+        """The only lobe, this one."""
         return (self,)
 
 
 def make(settings: Settings) -> Result:
     """Time both, and integration within the width, for each exponent."""
-    found = single_thread.measured(__name__, settings)
+    measured = single_thread.measured(__name__, settings)
     rows: list[list[Cell]] = []
-    for s, (brute, within, descent, pyramid, error, cut, evaluations) in found["rows"]:
+    for s, (brute, within, descent, pyramid, error, cut, evaluations) in measured["rows"]:
         slow, fast = PAPER[s]
         times = [brute, descent, pyramid, brute / descent, brute / pyramid, slow / fast]
         rows.append([s, *times, within, within / descent, error, cut, evaluations])
@@ -88,13 +101,13 @@ def make(settings: Settings) -> Result:
         f"Phong's lobe by brute force over all texels and hierarchically, {settings.env_name}",
         COLUMNS,
         rows,
-        _notes(found["texels"], found["seconds"]),
+        _notes(measured["texels"], measured["seconds"]),
         _draw(rows),
     )
 
 
 def measure(env: Environment, quick: bool) -> dict[str, Any]:
-    """Measure in this process: milliseconds, errors and evaluations by exponent; seconds by source texels."""
+    """Return times, errors and evaluations by exponent, and seconds by source texels."""
     H = 16 if quick else ROWS
     rounds = 1 if quick else 5
     light = env.resized(H, 2 * H)
@@ -116,34 +129,34 @@ def _with_pyramid(light: Environment, lobe: brdf.BRDF, size: int) -> Callable[[]
 
 
 def _measure_exponent(light: Environment, s: int, H: int, rounds: int) -> list[float]:
+    """Return milliseconds of four ways, the errors of two, and lobe evaluations for a texel."""
     lobe = brdf.Phong(s)
     descent = prefilter_hierarchical(light, lobe, error=ERROR, size=H)
 
     def integrated(material: Any, tolerance: float) -> Any:
         return prefilter_angular(light, material, tolerance=tolerance, size=H, subsamples=1, symmetry=False)
 
-    def anew(material: Any, tolerance: float) -> Callable[[], Any]:
-        # A map is kept once it is made: one for each round, tables made before.
+    def integration(material: Any, tolerance: float) -> Callable[[], Any]:
+        # A map is kept once it is made: each round has its own, its tables made before.
         fresh = [integrated(material, tolerance) for _ in range(rounds + 1)]
         return lambda: fresh.pop().at_view(VIEW)
 
+    # Times: brute force, within W, the descent without and with its pyramid
     calls = [
-        anew(Everywhere(min(s, SHARPEST)), 0.0),
-        anew(lobe, WIDTH_LEFT_OUT),
+        integration(Everywhere(min(s, SHARPEST)), 0.0),
+        integration(lobe, WIDTH_LEFT_OUT),
         lambda: descent.at_view(VIEW),
         _with_pyramid(light, lobe, H),
     ]
     seconds = np.median(single_thread.processor_seconds(calls, rounds), axis=0)
+
+    # Errors
     exact = integrated(lobe, 0.0).at_view(VIEW)
-    area = root_areas(H, 2 * H).reshape(H, 2 * H, 1) ** 2
-
-    def off(pixels: Any) -> float:
-        return float(np.sqrt((area * (pixels - exact) ** 2).sum() / (area * exact**2).sum()))
-
+    within_W = integrated(lobe, WIDTH_LEFT_OUT).at_view(VIEW) / (1 - WIDTH_LEFT_OUT)
     return [
         *(float(1e3 * x) for x in seconds),
-        off(descent.at_view(VIEW)),
-        off(integrated(lobe, WIDTH_LEFT_OUT).at_view(VIEW) / (1 - WIDTH_LEFT_OUT)),
+        relative_rms_on_sphere(descent.at_view(VIEW), exact),
+        relative_rms_on_sphere(within_W, exact),
         descent.evaluations,
     ]
 

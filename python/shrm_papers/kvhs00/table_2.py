@@ -1,4 +1,4 @@
-"""The table of [KVHS00] section 5.2: frames per second when every frame is filtered by the hardware."""
+"""[KVHS00] section 5.2, the table: frames per second when the hardware filters for every frame."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from shrm import brdf
-from shrm.arrays import Float32Array, FloatArray
+from shrm.arrays import FloatArray
 from shrm.integrate.angular import prefilter_angular
 from shrm.render import Camera, Object
 from shrm.viewer import Context, HardwarePrefilter, Renderer, Scene
 from shrm.viewer.gpu.hardware_prefilter import Filter
 from shrm.viewer.gpu.paraboloid_kernels import TextureFilter, texture_filters
 
+from shrm_papers.errors import relative_rms
 from shrm_papers.grid_meshes import ball
 from shrm_papers.kvhs00.opengl import context_or_note, frame_seconds
 from shrm_papers.plotting import measured_line, panels, papers_line, plain_log
@@ -39,10 +40,20 @@ PAPER: dict[int, Row] = {
 per second of two passes and of one (SGI O2)."""
 
 SIZE, BORDER = 512, 64
+"""Texels of a face and of its border."""
+
 CLAMP, LARGEST_KERNEL = 0.1, 7
+"""The lobe at a filter's rim relative to its peak, and most texels across a filter after shrinking."""
+
 TAPS = 128
+"""Samples of the exact filter for each texel."""
+
 PICTURE = 512
-DIRECTIONS = 4000  # for errors
+"""Pixels across the picture."""
+
+DIRECTIONS = 4000
+"""Directions at which errors are measured."""
+
 ORDER: tuple[Filter, ...] = ("two-pass", "one-pass", "exact")
 
 COLUMNS = (
@@ -71,7 +82,7 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Speed:
-    """What filtering takes and how good it is.
+    """The time and error of a filter.
 
     Attributes
     ----------
@@ -98,7 +109,7 @@ def make(settings: Settings) -> Result:
     rows: list[list[Cell]] = []
     for s in exponents:
         small, large, two, one = PAPER[s]
-        ours = found(s)
+        ours = fitting_filters(s)
         row: list[Cell] = [s]
         for theirs, of_ours in (
             ((small[0], large[0]), [f.size for f in ours]),
@@ -121,21 +132,23 @@ def make(settings: Settings) -> Result:
     )
 
 
-def found(exponent: int) -> tuple[TextureFilter, TextureFilter]:
-    """The small and the large filter of an exponent."""
+def fitting_filters(exponent: int) -> tuple[TextureFilter, TextureFilter]:
+    """Return the small and the large filter of an exponent."""
     return texture_filters(brdf.Phong(exponent).lobes[0].profile, SIZE, CLAMP, LARGEST_KERNEL)
 
 
 def _measure(
     context: Context, settings: Settings, exponents: tuple[int, ...]
 ) -> tuple[dict[int, dict[Filter, Speed]], float]:
-    """Speeds by exponent and filter, and the seconds that making the unfiltered map takes."""
+    """Return speeds by exponent and filter, and the seconds that making the unfiltered map takes."""
+    # A sphere before the environment
     size, rounds = (64, 1) if settings.quick else (SIZE, 5)
     renderer = Renderer(PICTURE if not settings.quick else 64, context=context)
     gl, extent = context.gl, (renderer.width, renderer.height)
     target = gl.framebuffer([gl.texture(extent, 4, dtype="f4")], gl.depth_renderbuffer(extent))
     shape, camera = ball(), Camera((4.0, 2.0, 1.5), fov=32.0)
     directions = _spread(DIRECTIONS // (10 if settings.quick else 1))
+
     measured: dict[int, dict[Filter, Speed]] = {}
     making = 0.0
     for s in exponents:
@@ -152,26 +165,21 @@ def _measure(
                     prefilter.apply_filter()
                     renderer.draw(scene, target)
 
-                taken = partial(prefilter.set_light, settings.env)
-                calls: list[Callable[[], object]] = [prefilter.apply_filter, frame, taken]
-                alone, whole, making = frame_seconds(context, calls, 1 if filter == "exact" else rounds)
-                error = _relative_rms(prefilter.radiance(directions, directions), exact)
-                measured[s][filter] = Speed(alone, whole, error)
+                set_light = partial(prefilter.set_light, settings.env)
+                calls: list[Callable[[], object]] = [prefilter.apply_filter, frame, set_light]
+                filtering, drawing, making = frame_seconds(context, calls, 1 if filter == "exact" else rounds)
+                error = relative_rms(prefilter.radiance(directions, directions), exact)
+                measured[s][filter] = Speed(filtering, drawing, error)
     renderer.release()
     return measured, making
 
 
 def _spread(n: int) -> FloatArray:
-    """Directions (n, 3) on a Fibonacci spiral."""
+    """Return directions (n, 3) on a Fibonacci spiral."""
     i = np.arange(n) + 0.5
     z, phi = 1 - 2 * i / n, np.pi * (1 + np.sqrt(5)) * i
     s = np.sqrt(1 - z**2)
     return np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=1)
-
-
-def _relative_rms(found: Float32Array, exact: Float32Array) -> float:
-    a, b = found.astype(np.float64), exact.astype(np.float64)
-    return float(np.sqrt(((a - b) ** 2).sum() / (b**2).sum()))
 
 
 _SIZES = (
@@ -204,7 +212,7 @@ def _draw(exponents: tuple[int, ...], measured: dict[int, dict[Filter, Speed]]) 
     figure, axes = panels(1, 2 if measured else 1, 9.6 if measured else 5.2, 4.0)
     theirs = [PAPER[s] for s in exponents]
     for k, which in enumerate(("small", "large")):
-        measured_line(axes[0], k, which, exponents, [found(s)[k].size for s in exponents])
+        measured_line(axes[0], k, which, exponents, [fitting_filters(s)[k].size for s in exponents])
         papers_line(axes[0], k + 2, f"{which} [KVHS00]", exponents, [papers[:2][k][0] for papers in theirs])
     axes[0].set(ylabel="filter size, texels")
     if measured:

@@ -1,4 +1,4 @@
-"""[LK03] figure 2: what the change from harmonics to tents loses, against their numbers."""
+"""[LK03] figure 2: the error of the change from harmonics to tents, against their numbers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 NAME = "lk03-figure-2"
 
 TENTS = (3, 5, 7, 9, 11, 13, 15)
+"""M, the tents along each side of the square."""
+
 ORDERS = (2, 3, 4, 5, 6, 7, 8)
+"""m, the order of the harmonics."""
+
 POPULATION = 1000
 """Random expansions for each m and M, as many as in [LK03 section 5]."""
 

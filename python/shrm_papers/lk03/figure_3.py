@@ -1,4 +1,4 @@
-"""[LK03] figure 3: what principal components lose, by their number, glossy and matt, shadowed and not."""
+"""[LK03] figure 3: the error of principal components by their number, glossy and matt, shadowed and not."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from shrm.arrays import FloatArray
 from shrm.transfer.matrices.product import Path as Way
 from shrm.transfer.object import RadianceTransfer
 
-from shrm_papers.lk03.transfer_subject import Subject, n, note, subject
+from shrm_papers.lk03.subject import Subject, n, note, subject_of
 from shrm_papers.plotting import COLORS, MARKS, panels
 from shrm_papers.result import Cell, Result, Settings
 
@@ -21,29 +21,33 @@ if TYPE_CHECKING:
 NAME = "lk03-figure-3"
 
 TENTS = 11
+"""M, the tents along each side of the square."""
+
 MATERIALS = {"glossy": brdf.AshikhminShirley(40, 40), "matt": brdf.AshikhminShirley(5, 5)}
 """[LK03 section 6]: N = 40 and 5."""
 
 WAYS = {"m = 5": Way(inner=n, m=5, extension="even"), "direct": Way()}
-"""By way of harmonics, as the paper's figure, and straight from rays to tents."""
+"""Through harmonics, as in the paper's figure, and straight from rays to tents."""
 
-HIGHEST = 60.0  # of the picture, in dB
+HIGHEST = 60.0
+"""Upper end of the picture's axes, dB."""
 
 SHOWN = (1, 2, 3, 5, 10, 15, 20, 25, 30, 40, 50, 60, 80, 100)
+"""Numbers of components in the table."""
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """What is lost with 1 to K components.
+    """The accuracy of 1 to K components.
 
     Attributes
     ----------
     way, material : str
     shadowed : bool
     psnr : (K,) float64
-        Of radiance under random light of norm 1, in dB: the paper's measure.
+        PSNR of radiance under random light of norm 1, in dB: the paper's measure.
     snr : (K,) float64
-        The same relative to the uncompressed radiance.
+        SNR, relative to the uncompressed radiance, in dB.
     """
 
     way: str
@@ -54,20 +58,20 @@ class Curve:
 
     @property
     def label(self) -> str:
-        """Its name in tables and legends."""
+        """The curve's name in tables and legends."""
         return f"{self.material}, {'shadowed' if self.shadowed else 'no shadows'}"
 
 
 def make(settings: Settings) -> Result:
-    """Compress the object in each material, both ways."""
-    this = subject(settings)
+    """Compress the object's transfer in each material, both ways."""
+    subject = subject_of(settings)
     ways = {"m = 5": WAYS["m = 5"]} if settings.quick else WAYS
     shown = SHOWN[:8] if settings.quick else SHOWN
     curves = [
         curve
         for way, path in ways.items()
         for name, material in MATERIALS.items()
-        for curve in _curves(this, way, name, material, path, shown[-1])
+        for curve in _curves(subject, way, name, material, path, shown[-1])
     ]
     columns = [
         "K",
@@ -79,41 +83,42 @@ def make(settings: Settings) -> Result:
     ]
     return Result(
         NAME,
-        f"PSNR and relative SNR in dB against the number of principal components, {this.name}",
+        f"PSNR and relative SNR in dB against the number of principal components, {subject.name}",
         columns,
         rows,
-        _notes(this),
+        _notes(subject),
         _draw(curves),
     )
 
 
-def _curves(this: Subject, way: str, name: str, material: brdf.BRDF, path: Way, K: int) -> list[Curve]:
-    made = this.precomputed(material, M=TENTS, path=path, K=K, half=False)
-    found = []
+def _curves(subject: Subject, way: str, name: str, material: brdf.BRDF, path: Way, K: int) -> list[Curve]:
+    """Return the curves of one way and material, without shadows and with."""
+    transfer = subject.precomputed(material, M=TENTS, path=path, K=K, half=False)
+    curves = []
     for shadowed, variant in ((False, "unshadowed"), (True, "shadowed")):
-        reported = made.report["compression"][variant]["SNR of 1 to K"]
+        reported = transfer.report["compression"][variant]["SNR of 1 to K"]
         snr = np.array([np.inf if x is None else x for x in reported])
-        found.append(Curve(way, name, shadowed, snr - 10 * np.log10(energy(made, variant)), snr))
-    return found
+        curves.append(Curve(way, name, shadowed, snr - 10 * np.log10(energy(transfer, variant)), snr))
+    return curves
 
 
-def energy(made: RadianceTransfer, variant: str) -> float:
+def energy(transfer: RadianceTransfer, variant: str) -> float:
     """Return the mean over vertices, and over random light of norm 1, of the squared norm of radiance.
 
-    Of components that are not rounded: they are orthonormal in radiance, so that squared weights are the
-    energy that they hold.
+    Components must not be rounded to half floats: they are orthonormal in radiance, so that squared weights
+    are the energy that they hold.
     """
-    weights = made.variants[variant].weights
+    weights = transfer.variants[variant].weights
     assert weights is not None
     kept = float(np.sum(weights.astype(np.float64) ** 2)) / len(weights)
-    last = made.report["compression"][variant]["SNR"]
+    last = transfer.report["compression"][variant]["SNR"]
     left = 0.0 if last is None else 10 ** (-last / 10)
     return kept / (1 - left) / n**2
 
 
-def _notes(this: Subject) -> list[str]:
+def _notes(subject: Subject) -> list[str]:
     return [
-        note(this),
+        note(subject),
         f"Ashikhmin and Shirley's model with N = 40 (glossy) and N = 5 (matt), {TENTS} x {TENTS} tents, "
         "light of order 5. With m = 5, as in the paper's figure, harmonics stand between rays and tents; "
         "direct has none.",
@@ -134,11 +139,11 @@ def _draw(curves: list[Curve]) -> Figure:
             values = curve.psnr if kind == "PSNR" else curve.snr
             K = np.arange(1, len(values) + 1)
             panel.plot(K, values, color=COLORS[k], linewidth=1.6)
-            every = [x for x in SHOWN if x <= len(values)]
-            panel.plot(every, values[np.array(every) - 1], MARKS[k], color=COLORS[k], markersize=5)
+            marked = [x for x in SHOWN if x <= len(values)]
+            panel.plot(marked, values[np.array(marked) - 1], MARKS[k], color=COLORS[k], markersize=5)
             panel.plot([], [], MARKS[k], color=COLORS[k], linestyle="-", label=curve.label)
-        what = "average PSNR, dB" if kind == "PSNR" else "relative SNR, dB"
-        panel.set(xlabel="components K", ylabel=what, ylim=(0, HIGHEST))
+        label = "average PSNR, dB" if kind == "PSNR" else "relative SNR, dB"
+        panel.set(xlabel="components K", ylabel=label, ylim=(0, HIGHEST))
         panel.set_title(f"{way}, as in [LK03]" if kind == "PSNR" else way, fontsize=10)
         panel.legend(frameon=False, fontsize=8)
     return figure

@@ -14,16 +14,21 @@ from shrm.transfer.matrices.product import product, published
 from shrm.transfer.tangent_frames import local_coefficients
 
 from shrm_papers.comparison import Block, draw_blocks
-from shrm_papers.lk03.transfer_pictures import Shot, Stage
-from shrm_papers.lk03.transfer_reference import local_views, radiance
-from shrm_papers.lk03.transfer_subject import Subject, n, note, subject
+from shrm_papers.lk03.pictures import Shot, Stage
+from shrm_papers.lk03.reference import local_views, radiance
+from shrm_papers.lk03.subject import Subject, n, note, subject_of
 from shrm_papers.result import Cell, Result, Settings
 
 NAME = "lk03-figure-4"
 
 TENTS = (11, 7, 3)
-VIEW_ORDER = 8  # m
-GAIN = 4.0  # of differences
+"""M, the tents along each side of the square."""
+
+VIEW_ORDER = 8
+"""m, the order of the view."""
+
+GAIN = 4.0
+"""Factor that differences are shown with."""
 
 
 @dataclass(frozen=True)
@@ -46,77 +51,77 @@ COLUMNS = ("material", "self-shadowing", "method", "relative RMS error of the pi
 
 def make(settings: Settings) -> Result:
     """Draw the object in both materials by every method."""
-    this = subject(settings)
-    stage = Stage(this, settings)
+    subject = subject_of(settings)
+    stage = Stage(subject, settings)
     blocks, rows = [], []
     for case in CASES:
-        seen = stage.light, stage.eye, case.shadowed, stage.seen
-        truth = stage.shot(radiance(this, case.material, *seen))
-        columns = _columns(this, stage, case, truth, 16 if settings.quick else 64)
+        summed = radiance(subject, case.material, stage.light, stage.eye, case.shadowed, stage.visible)
+        truth = stage.shot(summed)
+        columns = _columns(subject, stage, case, truth, 16 if settings.quick else 64)
         blocks.append(Block(case.name, truth, columns, gain=GAIN))
         for title, shot in columns:
             row: list[Cell] = [case.material.name, "yes" if case.shadowed else "no"]
             rows.append([*row, title.replace("\n", ", "), shot.error])
     return Result(
         NAME,
-        f"A comparison of methods, {this.name}, {settings.env_name}",
+        f"A comparison of methods, {subject.name}, {settings.env_name}",
         COLUMNS,
         rows,
-        _notes(this),
+        _notes(subject),
         draw_blocks(blocks),
     )
 
 
-def _columns(this: Subject, stage: Stage, case: Case, truth: Shot, side: int) -> list[tuple[str, Shot]]:
-    vertices, frames = this.mesh.vertices, this.frames
-    T = this.transfer if case.shadowed else None
+def _columns(subject: Subject, stage: Stage, case: Case, truth: Shot, side: int) -> list[tuple[str, Shot]]:
+    """Return the picture of each method with its title."""
+    vertices, frames = subject.mesh.vertices, subject.frames
+    T = subject.transfer if case.shadowed else None
 
     def projected(rows: Float32Array) -> Shot:
         return stage.lit(Projection(vertices, frames, rows, T), truth)
 
     def tents(M: int) -> Shot:
-        P = product(case.material, M, n, this.rays, published(n)).outer
+        P = product(case.material, M, n, subject.rays, published(n)).outer
         assert P is not None
         return projected(P.reshape(M * M, 1, n * n))  # tents of the view in place of a parabolic map
 
     most = TENTS[0]
     return [
         ("Kautz et al.\n2002", projected(parabolic_map(case.material, n, side))),
-        ("matrix of order 8\n[LK03 eq. 6]", stage.shot(_by_harmonics(this, case, stage, T), truth)),
+        ("matrix of order 8\n[LK03 eq. 6]", stage.shot(_by_harmonics(subject, case, stage, T), truth)),
         *((f"{M} x {M} tents\n[LK03 eq. 9]", tents(M)) for M in TENTS),
-        (f"{most} x {most} tents\ndirect", stage.lit(_direct(this, case, most), truth)),
+        (f"{most} x {most} tents\ndirect", stage.lit(_direct(subject, case, most), truth)),
     ]
 
 
-def _by_harmonics(this: Subject, case: Case, stage: Stage, T: Float32Array | None) -> Float32Array:
-    """Radiance (V, 3) as a sum of harmonics of the view, without change of basis [LK03 eqs. 5, 6]."""
+def _by_harmonics(subject: Subject, case: Case, stage: Stage, T: Float32Array | None) -> Float32Array:
+    """Return radiance (V, 3) as a sum of harmonics of the view, without change of basis [LK03 eqs. 5, 6]."""
     path = published(n)
     B = project(case.material, VIEW_ORDER, n, extension=path.extension, window_above=path.window_above)
-    arriving = np.broadcast_to(stage.light, (this.size, *stage.light.shape)) if T is None else T @ stage.light
-    local = local_coefficients(arriving, this.frames)
-    views = local_views(this, stage.eye)
+    arriving = (
+        np.broadcast_to(stage.light, (subject.size, *stage.light.shape)) if T is None else T @ stage.light
+    )
+    local = local_coefficients(arriving, subject.frames)
+    views = local_views(subject, stage.eye)
     rows = sh.evaluate(np.eye(VIEW_ORDER**2), views) @ B.coefficients  # (V, n^2)
     return np.asarray(np.einsum("pj,pjc->pc", rows, local), np.float32)
 
 
-def _direct(this: Subject, case: Case, M: int) -> Lighting:
-    """Tents from rays straight."""
-    vertices, frames = this.mesh.vertices, this.frames
+def _direct(subject: Subject, case: Case, M: int) -> Lighting:
+    """Return the lighting of tents that come straight from rays."""
+    vertices, frames = subject.mesh.vertices, subject.frames
     if not case.shadowed:
-        made = product(case.material, M, n, this.rays, Way()).unshadowed
-        return Projection(vertices, frames, made.reshape(M * M, 1, n * n))
-    matrices = (
-        this.precomputed(case.material, M=M, path=Way(), K=1, matrices=True, variants=["shadowed"])
-        .variants["shadowed"]
-        .matrices
-    )
+        rows = product(case.material, M, n, subject.rays, Way()).unshadowed
+        return Projection(vertices, frames, rows.reshape(M * M, 1, n * n))
+    transfer = subject.precomputed(case.material, M=M, path=Way(), K=1, matrices=True, variants=["shadowed"])
+    matrices = transfer.variants["shadowed"].matrices
     assert matrices is not None
     return Tents(vertices, frames, matrices)
 
 
-def _notes(this: Subject) -> list[str]:
+def _notes(subject: Subject) -> list[str]:
     return [
-        note(this),
+        note(subject),
         "Light of order 5. Correct is a sum over the rays of every vertex, for light of that order, with "
         "neither tents nor harmonics of views or of transferred radiance. Pictures of a row have one "
         "exposure, and so have the differences below them.",

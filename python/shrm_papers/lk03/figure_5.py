@@ -9,15 +9,17 @@ from shrm.transfer.lighting import Tents
 from shrm.transfer.matrices.product import published
 
 from shrm_papers.comparison import Block, draw_blocks
-from shrm_papers.lk03.transfer_pictures import Stage
-from shrm_papers.lk03.transfer_subject import Subject, n, note, subject
+from shrm_papers.lk03.pictures import Stage
+from shrm_papers.lk03.subject import Subject, n, note, subject_of
 from shrm_papers.result import Cell, Result, Settings
 
 NAME = "lk03-figure-5"
 
 TENTS = 11
+"""M, the tents along each side of the square."""
+
 PAPER = {3: 950, 10: 285, 20: 142, 50: None}
-"""[LK03 figure 5], by K: how many times smaller, at 50000 vertices. With shadows it finds 50 good."""
+"""[LK03 figure 5]: the compression by K at 50000 vertices. It has no number for 50, good with shadows."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +50,11 @@ COLUMNS = (
 
 def make(settings: Settings) -> Result:
     """Draw the object from few and many components, and without compression."""
-    this = subject(settings)
-    stage = Stage(this, settings)
+    subject = subject_of(settings)
+    stage = Stage(subject, settings)
     blocks, rows = [], []
     for case in CASES:
-        made = this.precomputed(
+        transfer = subject.precomputed(
             case.material,
             M=TENTS,
             path=published(n),
@@ -61,37 +63,38 @@ def make(settings: Settings) -> Result:
             matrices=True,
             variants=[case.variant],
         )
-        matrices = made.variants[case.variant].matrices
+        matrices = transfer.variants[case.variant].matrices
         assert matrices is not None
-        truth = stage.lit(Tents(made.vertices, made.frames, matrices))
+        truth = stage.lit(Tents(transfer.vertices, transfer.frames, matrices))
         columns = []
-        for K, smaller in PAPER.items():
-            shot = stage.lit(made.lighting(K=K), truth)
-            ratio = compression(this.size, K)
+        for K, papers_ratio in PAPER.items():
+            shot = stage.lit(transfer.lighting(K=K), truth)
+            ratio = compression(subject.size, K)
             columns.append((f"K = {K}\n1 : {ratio:.0f}", shot))
-            row: list[Cell] = [case.material.name, "yes" if case.variant == "shadowed" else "no"]
-            snr = made.report["compression"][case.variant]["SNR of 1 to K"][K - 1]
-            rows.append([*row, K, ratio, None if row[1] == "yes" else smaller, shot.error, snr])
+            shadowed = case.variant == "shadowed"
+            snr = transfer.report["compression"][case.variant]["SNR of 1 to K"][K - 1]
+            row: list[Cell] = [case.material.name, "yes" if shadowed else "no", K, ratio]
+            rows.append([*row, None if shadowed else papers_ratio, shot.error, snr])
         blocks.append(Block(case.name, truth, columns, "uncompressed"))
     return Result(
         NAME,
-        f"From few and many principal components, {this.name}, {settings.env_name}",
+        f"From few and many principal components, {subject.name}, {settings.env_name}",
         COLUMNS,
         rows,
-        _notes(this),
+        _notes(subject),
         draw_blocks(blocks),
     )
 
 
 def compression(V: int, K: int) -> float:
-    """Return how many times less numbers K components and their weights are than the matrices."""
-    whole = TENTS**2 * n**2
-    return V * whole / (K * (V + whole))
+    """Return how many times fewer numbers K components and weights of V vertices are than V matrices."""
+    matrix = TENTS**2 * n**2
+    return V * matrix / (K * (V + matrix))
 
 
-def _notes(this: Subject) -> list[str]:
+def _notes(subject: Subject) -> list[str]:
     return [
-        note(this),
+        note(subject),
         f"{TENTS} x {TENTS} tents by the published path, m = 8, light of order 5, all float32. Errors are "
         "against the uncompressed matrices; SNR is that of radiance under white light towards all views, "
         "vertices pooled. The paper's model has no shadows; those with shadows, and K = 50, are added: it "

@@ -1,4 +1,4 @@
-"""[LK03] table 1: frames per second of all methods, shadowed and not, and what it does not print: errors."""
+"""[LK03] table 1: frames per second of all methods, shadowed and not, and their errors."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shrm_papers.index import threads
-from shrm_papers.lk03.transfer_methods import TENTS, Judged, compare
-from shrm_papers.lk03.transfer_reference import VERTICES, VIEWS
-from shrm_papers.lk03.transfer_subject import Subject, note, subject
+from shrm_papers.lk03.methods import TENTS, Judged, compare
+from shrm_papers.lk03.reference import VERTICES, VIEWS
+from shrm_papers.lk03.subject import Subject, note, subject_of
+from shrm_papers.machine import threads
 from shrm_papers.plotting import COLORS, panels, plain_log
 from shrm_papers.result import Cell, Result, Settings
 
@@ -26,10 +26,10 @@ PAPER = {
     "11 x 11 tents, PCA, K = 10": (28.9, 26.6),
     "11 x 11 tents, PCA, K = 25": (17.1, 17.6),
 }
-"""[LK03 table 1], by the method: frames per second of the bird, shadowed, and of the head, which is not."""
+"""[LK03 table 1], by method: frames per second of the bird, with shadows, and of the head, without."""
 
 COMPRESSION = {"11 x 11 tents, PCA, K = 10": 285, "11 x 11 tents, PCA, K = 25": 114}
-"""[LK03 table 1]: how many times smaller than without PCA."""
+"""[LK03 table 1]: the compression of methods with PCA."""
 
 COLUMNS = (
     "method",
@@ -47,46 +47,46 @@ COLUMNS = (
 
 def make(settings: Settings) -> Result:
     """Time and judge all methods."""
-    this = subject(settings)
-    found = compare(this, settings.quick)
+    subject = subject_of(settings)
+    judged = compare(subject, settings.quick)
     return Result(
         NAME,
-        f"Ways to light an object with transfer, {this.name}",
+        f"Ways to light an object with transfer, {subject.name}",
         COLUMNS,
-        table(found),
-        _notes(this, found),
-        _draw(found),
+        table(judged),
+        _notes(subject, judged),
+        _draw(judged),
     )
 
 
-def table(found: Sequence[Judged]) -> list[list[Cell]]:
-    """Return a row for each method and kind of shadows, the paper's figures beside ours."""
-    whole = {one.shadowed: one.bytes for one in found if one.method == f"{TENTS} x {TENTS} tents"}
+def table(judged: Sequence[Judged]) -> list[list[Cell]]:
+    """Return a row for each method and kind of shadows, the paper's numbers beside ours."""
+    full = {way.shadowed: way.bytes for way in judged if way.method == f"{TENTS} x {TENTS} tents"}
     rows: list[list[Cell]] = []
-    for one in found:
-        theirs = PAPER.get(one.method)
-        smaller = whole[one.shadowed] / one.bytes if "PCA" in one.method else None
+    for way in judged:
+        papers = PAPER.get(way.method)
+        compression = full[way.shadowed] / way.bytes if "PCA" in way.method else None
         rows.append(
             [
-                one.method,
-                "yes" if one.shadowed else "no",
-                one.K,
-                1 / one.seconds,
-                None if theirs is None else theirs[not one.shadowed],
-                one.bytes / 1e6,
-                smaller,
-                COMPRESSION.get(one.method),
-                one.snr,
-                one.published,
+                way.method,
+                "yes" if way.shadowed else "no",
+                way.K,
+                1 / way.seconds,
+                None if papers is None else papers[not way.shadowed],
+                way.bytes / 1e6,
+                compression,
+                COMPRESSION.get(way.method),
+                way.snr,
+                way.published,
             ]
         )
     return rows
 
 
-def _notes(this: Subject, found: Sequence[Judged]) -> list[str]:
-    glossy, phong = found[0].material, found[-1].material
+def _notes(subject: Subject, judged: Sequence[Judged]) -> list[str]:
+    glossy, phong = judged[0].material, judged[-1].material
     return [
-        note(this),
+        note(subject),
         f"Lighting only, as in [LK03]: {threads()} threads here, a Pentium 4 at 2.26 GHz and 50000 vertices "
         "there; its bird was shadowed and its head was not. Light of order 5, three colors; eye and light "
         "move between frames. Median wall times, of the best of three bursts.",
@@ -103,24 +103,26 @@ def _notes(this: Subject, found: Sequence[Judged]) -> list[str]:
     ]
 
 
-def _draw(found: Sequence[Judged]) -> Figure:
+def _draw(judged: Sequence[Judged]) -> Figure:
     figure, axes = panels(1, 2, 11.0, 4.6)
-    widest = 20 * max(1 / one.seconds for one in found)  # with room for what stands beside a bar
+    fastest = 20 * max(1 / way.seconds for way in judged)  # with room for the text beside a bar
     for panel, shadowed in zip(axes, (True, False), strict=True):
-        these = [one for one in found if one.shadowed == shadowed]
-        at = np.arange(len(these))[::-1]
-        speeds = [1 / one.seconds for one in these]
-        panel.barh(at, speeds, 0.62, color=COLORS[0], label="shrm")
-        theirs = [
-            (PAPER[one.method][not shadowed], y)
-            for y, one in zip(at, these, strict=True)
-            if one.method in PAPER
+        # A bar for each method, a mark where the paper has it, and the error beside
+        ways = [way for way in judged if way.shadowed == shadowed]
+        y = np.arange(len(ways))[::-1]
+        speeds = [1 / way.seconds for way in ways]
+        panel.barh(y, speeds, 0.62, color=COLORS[0], label="shrm")
+        papers = [
+            (PAPER[way.method][not shadowed], place)
+            for place, way in zip(y, ways, strict=True)
+            if way.method in PAPER
         ]
-        panel.plot(*zip(*theirs, strict=True), "D", color=COLORS[3], label="[LK03]", linestyle="")
-        for y, speed, one in zip(at, speeds, these, strict=True):
-            panel.text(1.15 * speed, y, f"{one.snr:.1f} dB", va="center", fontsize=8)
-        panel.set(xscale="log", xlabel="frames per second", xlim=(1.0, widest))
-        panel.set_yticks(at, [one.method for one in these], fontsize=8)
+        panel.plot(*zip(*papers, strict=True), "D", color=COLORS[3], label="[LK03]", linestyle="")
+        for place, speed, way in zip(y, speeds, ways, strict=True):
+            panel.text(1.15 * speed, place, f"{way.snr:.1f} dB", va="center", fontsize=8)
+
+        panel.set(xscale="log", xlabel="frames per second", xlim=(1.0, fastest))
+        panel.set_yticks(y, [way.method for way in ways], fontsize=8)
         panel.set_title("self-shadowing" if shadowed else "no shadows", fontsize=10)
         panel.tick_params(axis="x", labelsize=8)
         panel.grid(False, axis="y")

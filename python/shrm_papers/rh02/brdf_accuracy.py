@@ -1,4 +1,4 @@
-"""How much of a material's energy given orders hold, and where the rest is: what figure 8 of [RH02] shows.
+"""The fraction of a material's energy that orders hold, and where the rest is, for [RH02] figure 8.
 
 Energy is that of the squared BRDF with its cosine, colors pooled, over all lights and over views with
 cos^2(theta_v) uniform, as in `shrm.frequency.analysis`.
@@ -20,18 +20,23 @@ from shrm.lobes.quadrature import horizon_quadrature, tabulate
 
 F = 30
 ORDERS = range(6)
+"""The orders F and P of [RH02] figure 8."""
+
 CENTERS: Mapping[Center, str] = {"reflection": "R", "lobe": "the lobe"}
+
 GRAZING = 80.0
-"""Degrees: views beyond it are grazing; measurements there are few and noisy, and fits extrapolate."""
+"""Degrees of theta_v beyond which views graze: measurements are few and noisy there, and fits extrapolate."""
+
 WIDE = 10.0
-"""Degrees within which a wide lobe has less than half its energy."""
+"""Degrees about the lobe center within which a wide lobe has less than half its energy."""
+
 REACHED = 0.9
-"""The accuracy that [RH02] counts."""
+"""The accuracy above which [RH02] counts a material."""
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """One material.
+    """The accuracies of one material.
 
     Attributes
     ----------
@@ -39,13 +44,13 @@ class Accuracy:
     by_order : {center: (6,) float64}
         Fraction of the energy that F and P = 0..5 hold.
     every_order : float
-        What F holds with every P.
+        Fraction that F and every P hold.
     below_grazing : {center: float}
         Fraction that F and P = 5 hold of the energy of views to `GRAZING`.
     half : float
-        The angle about the lobe center that holds half the energy, degrees.
+        Angle about the lobe center within which half the energy lies, degrees.
     half_grazing : float
-        The same of the views beyond `GRAZING` alone.
+        The same for views beyond `GRAZING` alone.
     """
 
     name: str
@@ -57,7 +62,7 @@ class Accuracy:
 
     @property
     def wide(self) -> bool:
-        """Whether its lobe holds half its energy within more than `WIDE`."""
+        """Whether half the energy takes an angle of more than `WIDE`."""
         return self.half > WIDE
 
     def reaches(self, center: Center) -> bool:
@@ -72,20 +77,23 @@ def measure(name: str, brdf: BRDF) -> Accuracy:
         (lobe,) = brdf.recentered(center, merge=True).lobes
         assert isinstance(lobe, IsotropicLobe)
         analysis = analyse(lobe, F, ORDERS[-1])
-        whole = analysis.energy.sum()
-        by_order[center] = np.array([analysis.captured(P).sum() / whole for P in ORDERS])
+        total = analysis.energy.sum()
+        by_order[center] = np.array([analysis.captured(P).sum() / total for P in ORDERS])
+
+        # The same of the views below grazing
         theta_v, theta_i, energy = _energy(lobe, analysis)
         below = theta_v <= np.radians(GRAZING)
         kept = (analysis.weight * _kept(analysis, ORDERS[-1]))[below].sum()
         below_grazing[center] = float(kept / energy[below].sum())
-    # of the last center, the lobe's
-    every_order = float(analysis.degree_energy().sum() / whole)
+
+    # About the last center, the lobe's
+    every_order = float(analysis.degree_energy().sum() / total)
     halves = _half(theta_i, energy), _half(theta_i[~below], energy[~below])
     return Accuracy(name, by_order, every_order, below_grazing, *halves)
 
 
 def _energy(lobe: IsotropicLobe, analysis: LobeAnalysis) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Views theta_v (n,) of an analysis, angles theta_i (n, I) to the center, and the energy there (n, I)."""
+    """Return the views theta_v (n,) of an analysis, angles theta_i (n, I) to the center, energies (n, I)."""
     fine = np.linspace(0, np.pi / 2, len(analysis.gamma))
     theta_v = np.interp(analysis.theta_o, fine + analysis.gamma, fine)
     gamma = analysis.theta_o - theta_v
@@ -97,9 +105,9 @@ def _energy(lobe: IsotropicLobe, analysis: LobeAnalysis) -> tuple[FloatArray, Fl
 
 
 def _kept(analysis: LobeAnalysis, P: int) -> FloatArray:
-    """Energy that an expansion to order P has in common with each view, (views,): its mean is what it keeps.
+    """Return the energy that an expansion to order P keeps of each view, (views,).
 
-    sum over l, q of U_q (g_lq^2 - (g_lq - fit)^2), the fit being sum_p rho_lpq f_pq(theta_o).
+    It is the sum over l, q of U_q (g_lq^2 - (g_lq - fit)^2), the fit being sum_p rho_lpq f_pq(theta_o).
     """
     rho = analysis.coefficients(F, P)
     theta_o = analysis.theta_o
@@ -117,7 +125,7 @@ def _kept(analysis: LobeAnalysis, P: int) -> FloatArray:
 
 
 def _half(theta_i: FloatArray, energy: FloatArray) -> float:
-    """The angle that holds half of an energy, degrees; 0 of none."""
+    """Return the angle within which half of an energy lies, degrees; 0 if there is no energy."""
     if energy.sum() <= 0:
         return 0.0
     order = np.argsort(theta_i, axis=None)

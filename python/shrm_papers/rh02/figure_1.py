@@ -1,7 +1,7 @@
 """[RH02] figure 1: an armadillo of five materials in the light of four places, drawn from SHRMs.
 
 Light, object and measured materials are files of a folder (`Settings.data`). The paper's orange and velvet
-are of CUReT, which is not to be had: measurements of other materials, and fits to them, stand in for both.
+are CUReT's, which cannot be had: measurements of other materials, and fits to them, stand in for both.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from shrm.integrate.angular import prefilter_angular
 from shrm.render import Camera, Mesh, Object, Placement, Reflection, about_vertical, display, render
 
 from shrm_papers.comparison import Frames
+from shrm_papers.errors import relative_rms
 from shrm_papers.grid_meshes import knot
 from shrm_papers.result import Cell, Result, Settings
 
@@ -33,19 +34,27 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAME = "rh02-figure-1"
+
 TOLERANCE = 0.03
+"""Relative RMS of the reflected radiance that orders are chosen for."""
+
 LIGHT = 256
 """Rows of the light that is prefiltered and integrated."""
+
 PANEL = (400, 500)
 """Width and height of a panel in pixels."""
+
 RAYS = 4
-"""Along each side of a pixel."""
+"""Rays along each side of a pixel."""
+
 JUDGED = 4000
 """Points of each panel that are integrated."""
+
 DISTANCE = 3.75
-"""Of the camera, from an object between -1 and 1."""
+"""Distance of the camera from the center of an object between -1 and 1."""
+
 FILLED = 0.97
-"""Of a panel, by the object, across or upright."""
+"""Fraction of a panel that the object fills, across or upright."""
 
 
 @dataclass(frozen=True)
@@ -56,24 +65,24 @@ class Panel:
     ----------
     paper : str
         The paper's material.
-    here : str
-        What it is called here.
+    name : str
+        The material of this panel.
     measured : str
-        By whom it was.
+        Who measured it.
     model : BRDF
-        The material, or where it is one of a file, what stands in for it without a folder.
+        The material; where a file has it, a stand-in for use without a folder.
     file : str
-        What the name of a file of measurements contains; empty without one.
+        Part of the name of a file of measurements; empty without one.
     place, light : str
-        Where the light was photographed, and what the name of its file contains.
+        Where the light was photographed, and part of the name of its file.
     look, turn : float
-        Degrees: where the camera looks, and how far the object is turned from facing it.
+        Degrees: the camera's azimuth, and how far the object is turned from facing it.
     bright : float
-        What the 98th percentile of the object's strongest color is shown as; 1 is the display's limit.
+        The 98th percentile of the object's strongest color as displayed; 1 is the display's limit.
     """
 
     paper: str
-    here: str
+    name: str
     measured: str
     model: BRDF
     file: str
@@ -121,22 +130,26 @@ def make(settings: Settings) -> Result:
     pictures: list[npt.NDArray[np.uint8]] = []
     rows: list[list[Cell]] = []
     for panel in PANELS:
+        # Orders are chosen by the predicted error, which the table has.
         env, brdf = _light(settings, panel), _material(settings, panel)
         height = 32 if settings.quick else LIGHT
         light = env.resized(height, 2 * height)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ToleranceWarning)  # the table has the error
+            warnings.simplefilter("ignore", ToleranceWarning)
             rm = prefilter(light, brdf, tolerance=TOLERANCE)
+
+        # The picture, and errors against integration of the same light.
         camera, mesh = framed(shape, panel)
         pictures.append(_picture(Object(mesh, rm), camera, env, panel.bright, settings.quick))
         exact, count = prefilter_angular(light, brdf), 100 if settings.quick else JUDGED
-        judged = (seen(mesh, camera, count), np.ones(count)), of_any_direction(rm, count)
-        errors = [relative_error(rm, exact, *each) for each in judged]
+        judged = (visible_frames(mesh, camera, count), np.ones(count)), random_frames(rm, count)
+        errors = [relative_error(rm, exact, frames, weights) for frames, weights in judged]
+
         stands_in = bool(panel.file) and settings.data is None
         rows.append(
             [
                 panel.paper,
-                brdf.name if stands_in else panel.here,
+                brdf.name if stands_in else panel.name,
                 FIT if stands_in else panel.measured,
                 settings.env_name if settings.data is None else panel.place,
                 *(rm.F, rm.P, rm.error, *errors, _milliseconds(light, brdf, rm)),
@@ -156,8 +169,9 @@ def _notes(settings: Settings) -> list[str]:
     lines = [
         "Panels from left to right. Krylon blue is the paper's, as Cornell measured it; the paper has it as "
         "McCool et al. rebuilt it from the same measurements.",
-        "CUReT is not to be had. In place of its orange stands golden yellow, which RGL measured (Dupuy and "
-        "Jakob 2018); in place of its velvet a red fabric of MERL, by the fit of Bagher et al. 2012.",
+        "CUReT's measurements cannot be had. In place of its orange stands golden yellow, which RGL measured "
+        "(Dupuy and Jakob 2018); in place of its velvet a red fabric of MERL, by the fit of Bagher et al. "
+        "2012.",
         "Models: equation 11 of [RH02] with sigma = .15; Kajiya and Kay's with exponent 32 [RH02 sec. 7.1], "
         "tinted, about the direction of larger curvature. The paper does not say what it took, nor which "
         "light is in which panel.",
@@ -178,19 +192,19 @@ def _notes(settings: Settings) -> list[str]:
     return lines
 
 
-# ---- What the folder has
+# ---- Files of the folder
 
 
 def _file(settings: Settings, folder: str, part: str) -> Path:
-    """Return the file of a folder whose name has a part, the first if several have."""
+    """Return the first file of a folder of the data whose name contains a part."""
     assert settings.data is not None
     place = settings.data / folder
-    found = sorted(path for path in place.iterdir() if part in path.name.lower())
-    if not found:
+    paths = sorted(path for path in place.iterdir() if part in path.name.lower())
+    if not paths:
         raise FileNotFoundError(
             errno.ENOENT, f"{NAME} needs a file with {part!r} in its name there", str(place)
         )
-    return found[0]
+    return paths[0]
 
 
 def _light(settings: Settings, panel: Panel) -> Environment:
@@ -218,7 +232,8 @@ def object_shown(settings: Settings) -> Mesh:
 
 
 def framed(shape: Mesh, panel: Panel) -> tuple[Camera, Mesh]:
-    """Turn an object to a camera that looks as a panel says, which it fills."""
+    """Return a panel's camera and the object turned to it, such that it fills the picture."""
+    # Across the view the object is moved to the middle of what it projects to.
     phi = np.radians(panel.look)
     away = DISTANCE * np.array([-np.cos(phi), -np.sin(phi), 0.0])
     camera = Camera((float(away[0]), float(away[1]), 0.0))
@@ -229,50 +244,57 @@ def framed(shape: Mesh, panel: Panel) -> tuple[Camera, Mesh]:
     right, up, _ = camera.axes
     aside = pixel * ((0.5 * width - x) * right + (y - 0.5 * height) * up)
     mesh = mesh.moved(Placement(np.eye(3), 1.0, aside))
+
+    # The field of view is narrowed until the object fills the panel.
     columns, lines = camera.project(mesh.vertices, width, height)
     return camera.zoomed(FILLED * min(width / np.ptp(columns), height / np.ptp(lines))), mesh
 
 
 def _picture(
-    thing: Object, camera: Camera, env: Environment, bright: float, quick: bool
+    shown: Object, camera: Camera, env: Environment, bright: float, quick: bool
 ) -> npt.NDArray[np.uint8]:
-    """Draw a panel, (H, W, 3): rays are clipped to the display before they are averaged, not after.
+    """Draw a panel, (H, W, 3).
 
-    Edges beside highlights are smooth so.
+    Rays are clipped to the display's range before they are averaged, which makes edges beside highlights
+    smooth.
     """
+    # The object
     width, height = (extent // 8 for extent in PANEL) if quick else PANEL
     rays = 1 if quick else RAYS
-    drawn = render([thing], camera, rays * width, rays * height, samples=1)
+    drawn = render([shown], camera, rays * width, rays * height, samples=1)
     strongest = drawn.radiance[drawn.coverage > 0].max(axis=1)
     clipped = np.clip(drawn.radiance * (bright / np.percentile(strongest, 98.0)), 0.0, 1.0)
+
+    # The background, by Reinhard's curve for each color: half the limit at one and a half times the mean
     behind = render([], camera, width, height, background=env, samples=rays).radiance
-    # Reinhard's curve, color by color: half the limit at one and a half times the mean
     behind = behind / (behind + 1.5 * behind.mean())
+
+    # Both, pixel by pixel
     shape = (height, rays, width, rays, -1)
     linear = clipped.reshape(shape).mean(axis=(1, 3))
     linear += (1 - drawn.coverage.reshape(shape).mean(axis=(1, 3))) * behind
     return display(linear.astype(np.float32))
 
 
-def seen(mesh: Mesh, camera: Camera, count: int) -> Frames:
-    """Return points of an object that a camera sees, uniform in its picture."""
+def visible_frames(mesh: Mesh, camera: Camera, count: int) -> Frames:
+    """Return frames at points of an object that a camera sees, uniform in its picture."""
     rng = np.random.default_rng(20020721)
     width, height = PANEL
-    found: list[FloatArray] = []  # (3, n, 3) each
-    while sum(frames.shape[1] for frames in found) < count:
+    batches: list[FloatArray] = []  # (3, n, 3) each: N, V and T
+    while sum(batch.shape[1] for batch in batches) < count:
         columns, lines = rng.uniform(0, (width, height), (count, 2)).T
         origins, directions = camera.rays(columns, lines, width, height)
         hits = mesh.intersect(origins, directions)
         assert hits.tangents is not None  # the mesh has a field of its own
         hit = np.isfinite(hits.distances)
-        found.append(np.stack([hits.normals, -directions, hits.tangents])[:, hit])
-    return Frames(*np.concatenate(found, axis=1)[:, :count])
+        batches.append(np.stack([hits.normals, -directions, hits.tangents])[:, hit])
+    return Frames(*np.concatenate(batches, axis=1)[:, :count])
 
 
-def of_any_direction(rm: Reflection, count: int) -> tuple[Frames, FloatArray]:
-    """Return frames (`Frames.drawn`) of which half are chosen by the square of their light, and weights (n,).
+def random_frames(rm: Reflection, count: int) -> tuple[Frames, FloatArray]:
+    """Return frames of any direction, half of them chosen by their squared radiance, and weights (n,).
 
-    Few frames see a small light at grazing angles, but they have much of the energy, and of its error.
+    Few of `Frames.drawn` see a small light at grazing angles, but these have much of the energy and error.
     """
     many = Frames.drawn(16 * count)
     energy = np.sum(many.radiance(rm) ** 2, axis=1)
@@ -283,17 +305,15 @@ def of_any_direction(rm: Reflection, count: int) -> tuple[Frames, FloatArray]:
 
 
 def relative_error(rm: Reflection, exact: Reflection, frames: Frames, weights: FloatArray) -> float:
-    """Relative RMS error of a map over frames with weights (n,), colors pooled."""
-    wanted = frames.radiance(exact)
-    missed = weights @ np.sum((frames.radiance(rm) - wanted) ** 2, axis=1)
-    return float(np.sqrt(missed / (weights @ np.sum(wanted**2, axis=1))))
+    """Return the relative RMS error of a map over frames with weights (n,), colors pooled."""
+    return relative_rms(frames.radiance(rm), frames.radiance(exact), weights[:, None])
 
 
 def _milliseconds(light: Environment, brdf: BRDF, rm: ReflectionMap) -> float:
     """Return the best of ten times from the light to the maps, the material analysed before."""
     times = []
     for _ in range(10):
-        fresh = Environment(light.pixels)  # whose coefficients nothing has kept
+        fresh = Environment(light.pixels)  # without coefficients that were kept
         start = time.perf_counter()
         prefilter(fresh, brdf, orders=(rm.F, rm.P), size=rm.parts[0].size)
         times.append(time.perf_counter() - start)
@@ -301,18 +321,18 @@ def _milliseconds(light: Environment, brdf: BRDF, rm: ReflectionMap) -> float:
 
 
 def _draw(pictures: Sequence[npt.NDArray[np.uint8]], captions: Sequence[str]) -> Figure:
-    """Lay panels side by side, a pixel a pixel, their captions below."""
+    """Lay panels side by side without resampling, their captions below."""
     from matplotlib.figure import Figure
 
-    dpi, gap, below = 150, 6, 64
+    dpi, gap, below = 150, 6, 64  # pixels: between panels, and for captions
     height, width, _ = pictures[0].shape
-    whole = len(pictures) * (width + gap) - gap, height + below
-    figure = Figure(figsize=(whole[0] / dpi, whole[1] / dpi), dpi=dpi)
+    full_width, full_height = len(pictures) * (width + gap) - gap, height + below
+    figure = Figure(figsize=(full_width / dpi, full_height / dpi), dpi=dpi)
     for k, (picture, text) in enumerate(zip(pictures, captions, strict=True)):
-        left = k * (width + gap) / whole[0]
-        axes = figure.add_axes((left, below / whole[1], width / whole[0], height / whole[1]))
+        left = k * (width + gap) / full_width
+        axes = figure.add_axes((left, below / full_height, width / full_width, height / full_height))
         axes.imshow(picture, interpolation="none", aspect="auto")
         axes.set_axis_off()
-        middle = left + 0.5 * width / whole[0]
-        figure.text(middle, 0.5 * below / whole[1], text, fontsize=10, ha="center", va="center")
+        middle = left + 0.5 * width / full_width
+        figure.text(middle, 0.5 * below / full_height, text, fontsize=10, ha="center", va="center")
     return figure

@@ -25,12 +25,12 @@ from shrm_papers.spheres import View, brightest, view_turned
 
 NAME = "rh02-figure-10"
 AZIMUTH, ELEVATION = 120.0, 10.0
-"""Of the viewer, about: degrees from the brightest light, and above the horizon."""
-
+"""The viewer's direction, about: degrees from the brightest light, and above the horizon."""
 
 F = 32
+
 ROWS = 48
-"""Of the light that both ways get; every texel of the twelve maps is a sum over all of it."""
+"""Rows of the light that is prefiltered and integrated: every texel of the twelve maps sums all of it."""
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,9 @@ class Material:
     name : str
     brdf : BRDF
     shrms : tuple of (center, P)
-        The reflection maps to make; the first two are drawn.
+        Center and order of the reflection maps to make; the first two are drawn.
     explicit : "reflection" or "tangent"
-        By which direction Cabral's maps are looked up.
+        The direction by which Cabral's maps are looked up.
     """
 
     name: str
@@ -91,9 +91,9 @@ def make(settings: Settings) -> Result:
             for center, P in (material.shrms[-2:] if quick else material.shrms)
         ]
         cabral = truth.judge(icosahedral(exact, material.explicit))
-        columns = [(title(one), one) for one in (*shrms[:2], cabral)]
+        columns = [(title(judged), judged) for judged in (*shrms[:2], cabral)]
         blocks.append(Block(material.name, truth, columns))
-        table += [[material.name, *one.cells] for one in (*shrms, cabral)]
+        table += [[material.name, *judged.cells] for judged in (*shrms, cabral)]
     return Result(
         NAME,
         f"SHRM and Cabral's icosahedral interpolation, {settings.env_name}",
@@ -132,9 +132,9 @@ def icosahedral(exact: AngularReflection, center: Center) -> Representation:
 
 
 def title(judged: Judged) -> str:
-    """Say what a picture is made of."""
-    this = judged.representation
-    return f"{this.name}\nabout {this.center}, {this.maps} maps"
+    """Return the title of a picture: the method, its center and number of maps."""
+    form = judged.representation
+    return f"{form.name}\nabout {form.center}, {form.maps} maps"
 
 
 def farthest_from_vertices(view: View) -> View:

@@ -28,21 +28,27 @@ if TYPE_CHECKING:
 
 NAME = "rh02-figure-5"
 FREQUENCIES = (64, 32, 16, 8, 4)
+"""The F of light and materials, from sharp to blurred."""
+
 SHARE = 0.99
-"""Of the energy that counts."""
+"""Fraction of a lobe's energy within its F."""
+
 AZIMUTH, ELEVATION = 60.0, 10.0
-"""Of the viewer: degrees from the brightest light, and above the horizon."""
+"""The viewer's direction: degrees from the brightest light, and above the horizon."""
+
 YELLOW = "#ffd400"
+"""The paper's delimiters."""
 
 
 def make(settings: Settings) -> Result:
-    """Draw the spheres, and say where the energy of their light ends."""
+    """Draw the spheres, and find the degree where the energy of their light ends."""
     frequencies = FREQUENCIES[2:] if settings.quick else FREQUENCIES
     L = 2 * frequencies[0]
     light = settings.env.coefficients(L)
     gains = {F: gain(F, L) for F in frequencies}
     power = degree_power(light).sum(axis=1) / (2 * np.arange(L + 1) + 1)
 
+    # The reflected light of a cell is the light times both gains, degree by degree.
     cells = list(itertools.product(frequencies, frequencies))
     amplitude = {cell: np.sqrt(power) * gains[cell[0]] * gains[cell[1]] for cell in cells}
     highest = {cell: highest_frequency(amplitude[cell]) for cell in cells}
@@ -68,7 +74,7 @@ def make(settings: Settings) -> Result:
 
 
 def gain(F: int, L: int) -> FloatArray:
-    """What the Phong lobe of order F leaves of each degree to L, (L+1,): 1 at degree 0."""
+    """Return the factor of a Phong lobe of order F on each degree to L, (L+1,): 1 at degree 0."""
     exponent = F * F / -np.log(1 - SHARE)
     l = np.arange(L + 1)
     rho = analyse(Phong(exponent).lobes[0], L, 0).coefficients(L, 0)[:, 0, 0, 0] / np.sqrt(2 * l + 1)
@@ -82,11 +88,11 @@ def highest_frequency(amplitude: FloatArray) -> int:
 
 
 def _differences(amplitude: dict[tuple[int, int], FloatArray]) -> tuple[float, float]:
-    """Median relative RMS difference of the cells inside delimiters, and of neighbours across them."""
+    """Return median relative RMS differences: of cells of one delimiter, and of neighbours of two."""
     within, across = [], []
-    for (a, one), (b, other) in itertools.combinations(amplitude.items(), 2):
-        norms = np.linalg.norm(one), np.linalg.norm(other)
-        relative = float(np.linalg.norm(one - other) / max(norms))
+    for (a, of_a), (b, of_b) in itertools.combinations(amplitude.items(), 2):
+        norms = np.linalg.norm(of_a), np.linalg.norm(of_b)
+        relative = float(np.linalg.norm(of_a - of_b) / max(norms))
         if min(a) == min(b):
             within.append(relative)
         elif abs(np.log2(a[0] / b[0])) + abs(np.log2(a[1] / b[1])) == 1:
@@ -101,6 +107,7 @@ def _view(env: Environment) -> View:
 def _spheres(
     light: FloatArray, gains: dict[int, FloatArray], view: View, pixels: int
 ) -> dict[tuple[int, int], Picture]:
+    """Draw a sphere for every F of the light and F of the material."""
     L = len(next(iter(gains.values()))) - 1
     degrees = np.repeat(np.arange(L + 1), 2 * np.arange(L + 1) + 1)
     pictures = {}
@@ -134,9 +141,11 @@ def _draw(pictures: dict[tuple[int, int], Picture], highest: dict[tuple[int, int
                 axes.set_title(f"F = {F_rho}", fontsize=10)
             if j == 0:
                 axes.set_ylabel(f"F = {F_L}", fontsize=10)
+
+    # Axes, and between two delimiters the cells whose smaller F is the same
     figure.text(left + extent / 2, 0.97, "material: more diffuse →", ha="center", fontsize=11)
     figure.text(0.02, top - extent / 2, "← light: more blurred", va="center", rotation=90, fontsize=11)
-    for k in range(1, n):  # between two delimiters the smaller F is the same
+    for k in range(1, n):
         x, y = left + extent * k / n, top - extent * k / n
         figure.add_artist(Line2D([left, x, x], [y, y, top], color=YELLOW, linewidth=2.5))
     return figure

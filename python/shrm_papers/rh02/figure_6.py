@@ -1,4 +1,4 @@
-"""[RH02] figure 6: how well the reflected light is approximated to order F, and what estimates say.
+"""[RH02] figure 6: the accuracy of the reflected light to order F, measured and estimated.
 
 For a Phong lobe the reflected light field is a picture: that of order F is compared with one by direct
 integration, which knows nothing of orders, and its accuracy with the estimates of section 5.1.
@@ -16,6 +16,7 @@ from shrm.frequency.prefilter import prefilter
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.integrate.angular import AngularReflection, prefilter_angular
 
+from shrm_papers.errors import relative_rms_on_sphere
 from shrm_papers.result import Result, Settings
 
 if TYPE_CHECKING:
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 
 NAME = "rh02-figure-6"
 EXPONENT = 32.0
-VIEW = (1.0, 0.0, 0.0)  # any: the lobe is symmetric about R, so that all views share one map
+VIEW = (1.0, 0.0, 0.0)
+"""Any view: the lobe is symmetric about R, so that all share one map."""
 
 CURVES = {
     "measured": ("reflected light, measured", "0.0", "-", 2.2),
@@ -32,7 +34,7 @@ CURVES = {
     "minimum": ("minimum of light and BRDF", "#1b9e77", "-.", 1.4),
     "bound": ("bound on the residual", "#7570b3", "--", 1.4),
 }
-"""Text, color, dashes and width of each curve, from the highest accuracy down."""
+"""Label, color, line style and width of each curve, from the highest accuracy down."""
 
 
 def make(settings: Settings) -> Result:
@@ -46,7 +48,7 @@ def make(settings: Settings) -> Result:
     accuracy = {name: np.zeros(len(orders)) for name in (*CURVES, "brdf")}
     for F in orders:
         series = _map(prefilter(settings.env, brdf, orders=(F, 0), size=rows))
-        accuracy["measured"][F] = 1 - energy(series - exact) / energy(exact)
+        accuracy["measured"][F] = 1 - relative_rms_on_sphere(series, exact) ** 2
         for criterion in ("light", "bound", "minimum", "brdf"):
             accuracy[criterion][F] = 1 - _fraction(brdf, F, power, criterion)
     return Result(
@@ -74,16 +76,8 @@ def _map(reflection: ReflectionMap | AngularReflection) -> FloatArray:
     return reflection.at_view(VIEW).astype(np.float64)
 
 
-def energy(picture: FloatArray) -> float:
-    """Integral of the squares of a lat-long picture (H, W, channels) over the sphere."""
-    H, W = picture.shape[:2]
-    edges = np.cos(np.pi * np.arange(H + 1) / H)
-    weight = (edges[:-1] - edges[1:]) * 2 * np.pi / W
-    return float(weight @ np.sum(picture**2, axis=(1, 2)))
-
-
 def _fraction(brdf: Phong, F: int, power: LightPower, criterion: Criterion) -> float:
-    """What an estimate says is left out of the energy."""
+    """Return the fraction of the energy that is left out by an estimate."""
     error = error_of(brdf, [(F, 0)], power, criterion).error
     return error**2 if criterion == "light" else error  # `light` speaks of the RMS
 
@@ -93,19 +87,20 @@ def _verdict(text: str, estimate: FloatArray, measured: FloatArray) -> str:
     above = np.flatnonzero(estimate > measured + _SLACK)
     where = ", ".join(str(F) for F in above)
     worst = np.max((estimate - measured)[above], initial=0.0)
-    found = (
+    verdict = (
         f"not conservative at F = {where} (by at most {worst:.1e})" if where else "conservative at every F"
     )
     return (
-        f"{text} is {found}: it promises an accuracy of .99 {_first(estimate)}, reached {_first(measured)}."
+        f"{text} is {verdict}: it promises an accuracy of .99 {_first(estimate)}, reached {_first(measured)}."
     )
 
 
 _SLACK = 1e-6
-"""Of the measured accuracy: maps are float32."""
+"""Rounding of the measured accuracy, whose maps are float32."""
 
 
 def _first(accuracy: FloatArray) -> str:
+    """Say from which F on an accuracy is .99 or more."""
     enough = np.flatnonzero(accuracy >= 0.99)
     return f"from F = {enough[0]} on" if len(enough) else f"beyond F = {len(accuracy) - 1}"
 

@@ -22,14 +22,14 @@ from shrm.frequency.prefilter import prefilter
 from shrm.integrate.angular import prefilter_angular
 from shrm.render import Picture
 
-from shrm_papers.result import Cell, Result, Settings
+from shrm_papers.result import Result, Settings
 from shrm_papers.spheres import (
     View,
     brightest,
     caption,
     common_exposure,
     difference,
-    relative_rms,
+    picture_error,
     show,
     sphere,
 )
@@ -43,13 +43,17 @@ SIGMA = 0.2
 F = 30
 ORDERS = (0, 1, 2, 3)
 INCIDENCE = {"light at 30°": 30.0, "at 75°, grazing": 75.0}
-"""Degrees between the normal and the brightest light where it is reflected."""
+"""Degrees between the normal and the brightest light where it is reflected, by the view's label."""
+
 CENTERS: Mapping[Center, str] = {"reflection": "R", "lobe": "the lobe"}
 
 
+Row = tuple[str, Center, int, float, float, float, str | None]
+
+
 @dataclass(frozen=True)
-class Seen:
-    """One view: the exact picture, and those of each center and P."""
+class Pictures:
+    """The pictures of one view: the exact one, and those of each center and P."""
 
     exact: Picture
     series: dict[tuple[Center, int], Picture]
@@ -67,48 +71,50 @@ def make(settings: Settings) -> Result:
         for center in CENTERS
         for P in ORDERS
     }
+
+    # Pictures of both views
     sun = brightest(env)
     views = {name: view_reflecting(sun, degrees) for name, degrees in INCIDENCE.items()}
-    seen = {
-        name: Seen(
+    pictures = {
+        name: Pictures(
             sphere(exact, view, pixels),
             {key: sphere(rm, view, pixels) for key, rm in series.items()},
         )
         for name, view in views.items()
     }
+
+    # Errors, and whether eps bounds their squares
     captured = {key: 1 - brdf_error(*key) for key in series}
-    rows = _rows(seen, captured)
-    about_R = [row for row in rows if row[1] == "reflection"]
-    below = sum(
-        float(row[4]) <= float(row[5]) for row in about_R if row[4] is not None and row[5] is not None
-    )
+    rows = _rows(pictures, captured)
+    errors_about_R = [(error, eps) for _, center, _, error, _, eps, _ in rows if center == "reflection"]
+    bounded = sum(error**2 <= eps for error, eps in errors_about_R)
     return Result(
         NAME,
         f"Microfacet model, sigma = {SIGMA:g}, F = {F}: images for P = 0..3, {settings.env_name}",
         ["view", "center", "P", "relative RMS error", "its square", "BRDF error eps", "eps [RH02]"],
-        rows,
+        [list(row) for row in rows],
         [
             "Relative RMS error over the pixels of the sphere, colors pooled; eps is the fraction of the "
             "BRDF's energy that F and P leave out. [RH02] states eps < .03 at P = 2.",
             "Exact pictures are integrals over the whole hemisphere for each pixel, from the same light of "
             f"{len(env.pixels)} rows. All pictures have one exposure; differences are not amplified.",
             "[RH02] takes eps as a conservative estimate of the fraction of reflected energy that is lost, "
-            f"the square: about R it is one in {below} of these {len(about_R)} pictures. Near grazing single "
-            "views can lose more: eps is a mean over all.",
+            f"the square: about R it is one in {bounded} of these {len(errors_about_R)} pictures. Near "
+            "grazing single views can lose more: eps is a mean over all.",
             "The lobe center in place of the reflection is not in the paper.",
         ],
-        _draw(seen, captured),
+        _draw(pictures, captured),
     )
 
 
 def brdf_error(center: Center, P: int) -> float:
-    """Fraction of the BRDF's energy that (F, P) leaves out."""
+    """Return the fraction of the BRDF's energy that (F, P) leaves out."""
     brdf = Microfacet(SIGMA).recentered(center)
     return error_of(brdf, [(F, P)], LightPower.natural(F), "brdf").error
 
 
 def view_reflecting(light: FloatArray, incidence: float) -> View:
-    """Direction `2 * incidence` degrees from the light, to its side: N half way between reflects it there."""
+    """Return the view at 2 incidence degrees from a light, to its side: N in between reflects it there."""
     side = np.cross((0.0, 0.0, 1.0), light)
     side = side / np.linalg.norm(side) if np.linalg.norm(side) > 1e-6 else np.array([1.0, 0.0, 0.0])
     upwards = np.cross(light, side)
@@ -118,48 +124,47 @@ def view_reflecting(light: FloatArray, incidence: float) -> View:
     return float(x), float(y), float(z)
 
 
-_TILT = np.radians(
-    20.0
-)  # lights are above: somewhat upwards, so that the viewer does not look from far below
+_TILT = np.radians(20.0)
+"""How far the view's side is turned upwards: lights are above, and viewers not to be far below."""
 
 
-def _rows(seen: dict[str, Seen], captured: dict[tuple[Center, int], float]) -> list[list[Cell]]:
-    rows: list[list[Cell]] = []
-    for name, view in seen.items():
+def _rows(pictures: dict[str, Pictures], captured: dict[tuple[Center, int], float]) -> list[Row]:
+    rows: list[Row] = []
+    for name, view in pictures.items():
         for (center, P), picture in view.series.items():
-            error = relative_rms(picture, view.exact)
+            error = picture_error(picture, view.exact)
             stated = "< .03" if (center, P) == ("reflection", 2) else None
-            rows.append([name, center, P, error, error**2, 1 - captured[center, P], stated])
+            rows.append((name, center, P, error, error**2, 1 - captured[center, P], stated))
     return rows
 
 
-def _draw(seen: dict[str, Seen], captured: dict[tuple[Center, int], float]) -> Figure:
+def _draw(pictures: dict[str, Pictures], captured: dict[tuple[Center, int], float]) -> Figure:
     from matplotlib.figure import Figure
 
     cell, label, title, gap = 1.5, 0.5, 0.5, 0.1  # inches
-    lines = 1 + len(CENTERS)
+    rows = 1 + len(CENTERS)
     width = label + cell * (len(ORDERS) + 1)
-    height = title + len(seen) * (lines * cell + gap)
+    height = title + len(pictures) * (rows * cell + gap)
     figure = Figure(figsize=(width, height))
-    exposure = common_exposure([view.exact for view in seen.values()])
+    exposure = common_exposure([view.exact for view in pictures.values()])
 
-    def place(picture: Picture, block: int, line: int, column: int) -> Axes:
-        x, y = label + cell * column, height - title - block * gap - cell * (lines * block + line + 1)
+    def place(picture: Picture, block: int, row: int, column: int) -> Axes:
+        x, y = label + cell * column, height - title - block * gap - cell * (rows * block + row + 1)
         axes = figure.add_axes((x / width, y / height, cell / width, cell / height))
         show(axes, picture, exposure)
         return axes
 
-    for k, (name, view) in enumerate(seen.items()):
+    for k, (name, view) in enumerate(pictures.items()):
         for P in ORDERS:
             axes = place(view.series["reflection", P], k, 0, P)
             if k == 0:
                 axes.set_title(f"P = {P}\n{captured['reflection', P]:.1%} of the BRDF", fontsize=9)
             if P == 0:
                 axes.set_ylabel(f"{name}\nabout R", fontsize=9)
-            for line, center in enumerate(CENTERS, start=1):
+            for row, center in enumerate(CENTERS, start=1):
                 picture = view.series[center, P]
-                axes = place(difference(picture, view.exact), k, line, P)
-                error = relative_rms(picture, view.exact)
+                axes = place(difference(picture, view.exact), k, row, P)
+                error = picture_error(picture, view.exact)
                 caption(axes, f"{error:.0%}" if error >= 0.1 else f"{error:.1%}")
                 if P == 0:
                     axes.set_ylabel(f"difference\nabout {CENTERS[center]}", fontsize=9)

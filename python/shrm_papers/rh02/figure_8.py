@@ -1,9 +1,9 @@
-"""[RH02] figure 8: how much of a BRDF's energy F = 30 and P = 0..5 hold, for many materials.
+"""[RH02] figure 8: the fraction of a BRDF's energy that F = 30 and P = 0..5 hold, for many materials.
 
 The paper has the 61 materials of CUReT. Here are the published fits to the MERL database and to single
-measured materials (`fits`), the files of measurements of a folder, if one is given, and the built-in models:
-about the reflection, diffuse and glossy parts together [RH02 footnote 6], and about the lobe center. What no
-P holds at F = 30 is too sharp for that F.
+measured materials (`fits`), a folder's files of measurements, and the built-in models: about the reflection,
+diffuse and glossy parts together [RH02 footnote 6], and about the lobe center. Energy that no P holds at
+F = 30 is too sharp for that F.
 """
 
 from __future__ import annotations
@@ -31,12 +31,14 @@ if TYPE_CHECKING:
 NAME = "rh02-figure-8"
 BUILT_IN = "built-in models"
 FILES = "files of measurements"
-QUICK = 60
-"""One material of so many is taken where it is to be quick."""
-NAMED = 30
-"""Materials of larger sources are drawn without their names."""
 
-Found = Mapping[str, Mapping[str, Sequence[Accuracy]]]
+QUICK = 60
+"""Materials of a source of which a quick run takes one."""
+
+NAMED = 30
+"""Most materials of a source that are drawn with their names."""
+
+Sources = Mapping[str, Mapping[str, Sequence[Accuracy]]]
 """Materials by source and class."""
 
 
@@ -50,7 +52,7 @@ def make(settings: Settings) -> Result:
     }
     step = QUICK if settings.quick else 1
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        found = {
+        accuracies = {
             source: grouped(pool.map(measure, list(brdfs)[::step], list(brdfs.values())[::step]))
             for source, brdfs in sources.items()
         }
@@ -68,13 +70,13 @@ def make(settings: Settings) -> Result:
         ],
         [
             _row(source, name, material)
-            for source, classes in found.items()
+            for source, classes in accuracies.items()
             for name, materials in classes.items()
             for material in materials
         ],
-        [*_NOTES, *exceptions(found), *([] if files else [_WITHOUT_FILES])],
-        _draw(found),
-        summary=(_COUNTED, [*_counts(found), _PAPER]),
+        [*_NOTES, *exceptions(accuracies), *([] if files else [_WITHOUT_FILES])],
+        _draw(accuracies),
+        summary=(_COUNTED, [*_counts(accuracies), _PAPER]),
     )
 
 
@@ -101,7 +103,7 @@ _PAPER: Sequence[Cell] = ("CUReT [RH02]", "all", 61, 56, None, None, None, None)
 
 
 def models() -> dict[str, BRDF]:
-    """Built-in models, from matt to glossy, by name."""
+    """Return built-in models, from matt to glossy, by name."""
     return {
         "Lambert": Lambert(1.0),
         **{f"microfacet {sigma:g}": Microfacet(sigma) for sigma in (0.1, 0.2, 0.3, 0.4, 0.5)},
@@ -126,7 +128,7 @@ def measured(folder: Path | None) -> dict[str, BRDF]:
 
 
 def grouped(materials: Iterable[Accuracy]) -> dict[str, list[Accuracy]]:
-    """Materials by class, as `CLASSES` has them, in each from the least accurate to the most."""
+    """Return materials by class in the order of `CLASSES`, in each from the least accurate to the most."""
     classes: dict[str, list[Accuracy]] = {name: [] for name in (*CLASSES, "")}
     for material in sorted(materials, key=lambda material: material.by_order["reflection"][-1]):
         classes[class_of(material.name)].append(material)
@@ -139,13 +141,13 @@ def _row(source: str, name: str, material: Accuracy) -> list[Cell]:
     return [source, name, material.name, *numbers, material.every_order, material.half, *below]
 
 
-def _counts(found: Found) -> list[list[Cell]]:
-    """The paper's figure, for each source and class."""
+def _counts(sources: Sources) -> list[list[Cell]]:
+    """Return the paper's count for each source and class."""
     rows: list[list[Cell]] = []
-    for source, classes in found.items():
-        whole = [material for many in classes.values() for material in many]
+    for source, classes in sources.items():
+        every = [material for many in classes.values() for material in many]
         parts = classes if len(classes) > 1 else {}
-        for name, materials in {**parts, "all": whole}.items():
+        for name, materials in {**parts, "all": every}.items():
             wide = [material for material in materials if material.wide]
             reached = [_reaching(materials, center) for center in CENTERS]
             of_wide = [_reaching(wide, center) for center in CENTERS]
@@ -157,11 +159,11 @@ def _reaching(materials: Sequence[Accuracy], center: Center) -> int:
     return sum(material.reaches(center) for material in materials)
 
 
-def exceptions(found: Found) -> list[str]:
-    """Wide lobes that miss 90% about a center, and where their energy is."""
+def exceptions(sources: Sources) -> list[str]:
+    """Return notes on wide lobes that miss 90% about a center: where the energy is that they miss."""
     missing = [
         (source, material)
-        for source, classes in found.items()
+        for source, classes in sources.items()
         for many in classes.values()
         for material in many
         if material.wide and not all(material.reaches(center) for center in CENTERS)
@@ -175,28 +177,29 @@ def exceptions(found: Found) -> list[str]:
         f"{GRAZING:g} degrees the same F and P hold {least:.0%} or more about one of both. Beyond, a narrow "
         "and bright lobe takes the place of the wide one, as near-mirrors have it:"
     ]
-    for source, this in missing:
-        about = ", ".join(f"{this.by_order[c][-1]:.3f} about {text}" for c, text in CENTERS.items())
-        below = ", ".join(f"{this.below_grazing[c]:.3f}" for c in CENTERS)
+    for source, material in missing:
+        about = ", ".join(f"{material.by_order[c][-1]:.3f} about {text}" for c, text in CENTERS.items())
+        below = ", ".join(f"{material.below_grazing[c]:.3f}" for c in CENTERS)
         lines.append(
-            f"{this.name} ({source}): {about}, to {GRAZING:g} degrees {below}; half-energy angle "
-            f"{this.half:.0f} degrees, of views beyond {GRAZING:g} alone {this.half_grazing:.1f}; degrees "
-            f"above {F} hold {1 - this.every_order:.3f}."
+            f"{material.name} ({source}): {about}, to {GRAZING:g} degrees {below}; half-energy angle "
+            f"{material.half:.0f} degrees, of views beyond {GRAZING:g} alone {material.half_grazing:.1f}; "
+            f"degrees above {F} hold {1 - material.every_order:.3f}."
         )
     return lines
 
 
-def _draw(found: Found) -> Figure:
+def _draw(sources: Sources) -> Figure:
+    """Draw a row of panels for each source, as high as its materials need."""
     from matplotlib.figure import Figure
 
-    counts = {source: sum(map(len, classes.values())) for source, classes in found.items()}
+    counts = {source: sum(map(len, classes.values())) for source, classes in sources.items()}
     heights = [
-        (0.16 if count <= NAMED else 0.055) * (count + 2 * len(found[source]))
+        (0.16 if count <= NAMED else 0.055) * (count + GAP * len(sources[source]))
         for source, count in counts.items()
     ]
     figure = Figure(figsize=(9.0, sum(heights) + 0.3 * len(heights) + 1.2), layout="constrained")
-    grid = figure.subplots(len(found), 2, sharex=True, squeeze=False, height_ratios=heights)
-    for row, (source, classes) in zip(grid, found.items(), strict=True):
+    grid = figure.subplots(len(sources), 2, sharex=True, squeeze=False, height_ratios=heights)
+    for row, (source, classes) in zip(grid, sources.items(), strict=True):
         for axes, center in zip(row, CENTERS, strict=True):
             _panel(axes, classes, center)
         _names(row[0], classes, single=counts[source] <= NAMED)
@@ -211,11 +214,11 @@ def _draw(found: Found) -> Figure:
 
 
 GAP = 2
-"""Rows between classes."""
+"""Empty rows between classes."""
 
 
 def _rows(classes: Mapping[str, Sequence[Accuracy]]) -> list[range]:
-    """Where the materials of each class stand, from the top."""
+    """Return the rows of the materials of each class, from the top."""
     starts = np.cumsum([0, *(len(many) + GAP for many in classes.values())]).tolist()
     return [range(start, start + len(many)) for start, many in zip(starts, classes.values(), strict=False)]
 
@@ -224,22 +227,24 @@ def _names(axes: Axes, classes: Mapping[str, Sequence[Accuracy]], single: bool) 
     """Name each material, or each class with how many of it reach 90%."""
     rows = _rows(classes)
     if single:
-        at = [y for span in rows for y in span]
-        axes.set_yticks(at, [one.name for many in classes.values() for one in many], fontsize=7)
+        ticks = [y for span in rows for y in span]
+        axes.set_yticks(ticks, [material.name for many in classes.values() for material in many], fontsize=7)
         return
     labels = [f"{name}\n{_reaching(many, 'reflection')} of {len(many)}" for name, many in classes.items()]
     axes.set_yticks([(span[0] + span[-1]) / 2 for span in rows], labels, fontsize=7)
 
 
 def _panel(axes: Axes, classes: Mapping[str, Sequence[Accuracy]], center: Center) -> None:
-    """Each material in its row, its markers from light to dark with P [RH02 fig. 8]."""
+    """Draw each material in its row, its marks from light to dark with P [RH02 fig. 8]."""
     rows = _rows(classes)
-    y = [at for span in rows for at in span]
-    materials = [one for many in classes.values() for one in many]
+    y = [row for span in rows for row in span]
+    materials = [material for many in classes.values() for material in many]
     for P, marker in zip(ORDERS, "DDDDDo", strict=True):
         shade = str(0.82 * (1 - P / ORDERS[-1]))
         x = [material.by_order[center][P] for material in materials]
         axes.plot(x, y, marker, color=shade, markersize=3, label=f"P = {P}")
+
+    # What F holds at all, the paper's 90%, and lines between classes
     limit = [material.every_order for material in materials]
     axes.plot(limit, y, "|", color="#d95f02", markersize=4.5, label="every P")
     axes.axvline(0.9, color="0.6", linewidth=0.6, zorder=0)

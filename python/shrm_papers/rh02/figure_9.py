@@ -1,9 +1,9 @@
 """[RH02] figure 9: a fabric by SHRM, and without azimuth, as Kautz and McCool have it.
 
-Their single lobe is an arbitrary function u(theta_i, theta_o) about the reflection [KM00]: what the terms
-q = 0 of the local form are [RH02 footnote 7]. The paper's fabric is the velvet of CUReT, which is not to be
-had: here it is a published fit to a fabric of the MERL database, or, where a folder of fits lacks it, a model
-of velvet.
+Their single lobe is an arbitrary function u(theta_i, theta_o) about the reflection [KM00], which is what the
+terms q = 0 of the local form make up [RH02 footnote 7]. The paper's fabric is CUReT's velvet, which cannot be
+had: here is a published fit to a fabric of the MERL database, or, where a folder of fits lacks it, a model of
+velvet.
 """
 
 from __future__ import annotations
@@ -24,23 +24,29 @@ from shrm_papers.rh02.velvet import velvet
 from shrm_papers.spheres import brightest, view_turned
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 NAME = "rh02-figure-9"
 F = 24
 ORDERS = range(6)
-EVERY_VIEW = 12
-"""The order that stands for an arbitrary function of theta_o."""
-CENTERS: Mapping[Center, str] = {"reflection": "R", "lobe": "the lobe"}
-AZIMUTH, ELEVATION = 75.0, 12.0
-"""Of the viewer: degrees from the brightest light, and above the horizon."""
-ROWS = 64
-"""Of the light that both ways get: fabrics are broad lobes."""
-FIT = ("MERL, fits of Bagher et al. 2012", "red-fabric")
 
+EVERY_VIEW = 12
+"""The order P that stands for an arbitrary function of theta_o."""
+
+CENTERS: Mapping[Center, str] = {"reflection": "R", "lobe": "the lobe"}
+
+AZIMUTH, ELEVATION = 75.0, 12.0
+"""The viewer's direction: degrees from the brightest light, and above the horizon."""
+
+ROWS = 64
+"""Rows of the light that is prefiltered and integrated; fabrics are broad lobes."""
+
+FIT = ("MERL, fits of Bagher et al. 2012", "red-fabric")
+"""Source and name of the fabric."""
 
 Series = Mapping[tuple[Center, bool], Mapping[int, Judged]]
-"""By center and whether there is azimuth, and by P."""
+"""Judged maps by center and whether they have azimuth, and by P."""
 
 
 def make(settings: Settings) -> Result:
@@ -71,17 +77,17 @@ def make(settings: Settings) -> Result:
         NAME,
         f"{brdf.name}: SHRM and Kautz and McCool's 2D approximation, {settings.env_name}",
         COLUMNS,
-        [*(one.cells for many in series.values() for one in many.values()), texture.cells],
+        [*(judged.cells for by_P in series.values() for judged in by_P.values()), texture.cells],
         _notes(brdf, series),
         _draw(brdf.name, truth, series, texture),
     )
 
 
 def _notes(brdf: BRDF, series: Series) -> list[str]:
-    what = "a model of velvet [AP07]" if brdf.name == "velvet" else f"{FIT[1]} ({FIT[0]})"
+    material = "a model of velvet [AP07]" if brdf.name == "velvet" else f"{FIT[1]} ({FIT[0]})"
     lost = {center: f"{list(series[center, False].values())[-1].frames_error:.0%}" for center in CENTERS}
     return [
-        f"In place of CUReT's velvet: {what}, diffuse and glossy parts together [RH02 footnote 6].",
+        f"In place of CUReT's velvet: {material}, diffuse and glossy parts together [RH02 footnote 6].",
         "Kautz and McCool's single lobe is u(theta_i, theta_o), any function of both angles about R: q = 0 "
         f"in the local SHRM [RH02 footnote 7]; P = {EVERY_VIEW} stands for any function of theta_o.",
         f"What q = 0 cannot hold, whatever P: {lost['reflection']} about R, {lost['lobe']} about the center "
@@ -95,8 +101,8 @@ def _notes(brdf: BRDF, series: Series) -> list[str]:
 def fabric(settings: Settings) -> BRDF:
     """Return the fit `FIT` if there is one, else a model of velvet."""
     source, name = FIT
-    found = fits.read(settings.fits).get(source, {}).get(name)
-    return velvet(0.4, (0.3, 0.02, 0.05), (0.08, 0.003, 0.008)) if found is None else found
+    fit = fits.read(settings.fits).get(source, {}).get(name)
+    return velvet(0.4, (0.3, 0.02, 0.05), (0.08, 0.003, 0.008)) if fit is None else fit
 
 
 def _draw(name: str, truth: Truth, series: Series, texture: Judged) -> Figure:
@@ -111,11 +117,16 @@ def _draw(name: str, truth: Truth, series: Series, texture: Judged) -> Figure:
     width, height = figure.get_size_inches()
     left, bottom, right, top = width - beside + 0.8, 0.5, width - 0.15, height - 0.6
     extent = (left / width, bottom / height, (right - left) / width, (top - bottom) / height)
-    axes = figure.add_axes(extent, yscale="log")
-    for (center, azimuth), many in series.items():
+    _draw_errors(figure.add_axes(extent, yscale="log"), series)
+    return figure
+
+
+def _draw_errors(axes: Axes, series: Series) -> None:
+    """Draw errors over random frames against P."""
+    for (center, azimuth), by_P in series.items():
         axes.plot(
-            list(many),
-            [one.frames_error for one in many.values()],
+            list(by_P),
+            [judged.frames_error for judged in by_P.values()],
             color={"reflection": "#d95f02", "lobe": "#1b9e77"}[center],
             linestyle="-" if azimuth else "--",
             marker="o" if azimuth else "s",
@@ -138,4 +149,3 @@ def _draw(name: str, truth: Truth, series: Series, texture: Judged) -> Figure:
         loc="lower center",
         bbox_to_anchor=(0.45, 1.0),
     )
-    return figure

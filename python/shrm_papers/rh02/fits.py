@@ -1,4 +1,4 @@
-"""Published fits to measured materials: those that come with the package, or those of a folder.
+"""Published fits to measured materials, from the package or from a folder.
 
 A file of a folder is a JSON object of materials, each an object of parameters (`shrm.brdf.ABC.read`, ...).
 """
@@ -17,7 +17,7 @@ SOURCES: Mapping[str, tuple[str, str, Callable[[Path, str], BRDF]]] = {
     "MERL, fits of Bagher et al. 2012": ("merl-sgd", "merl_sgd_bagher2012.json", SGD.read),
     "fits of Lafortune lobes": ("lafortune", "lafortune_pbrt1.json", Lafortune.read),
 }
-"""Who made them: their name in `shrm.brdf.fits`, their file in a folder, and what reads it."""
+"""By who made them: their name in `shrm.brdf.fits`, their file in a folder, and its reader."""
 
 
 def read(folder: Path | None) -> dict[str, dict[str, BRDF]]:
@@ -26,28 +26,28 @@ def read(folder: Path | None) -> dict[str, dict[str, BRDF]]:
     Parameters
     ----------
     folder : Path, optional
-        A folder of files; those that are not there are left out. Without one, what comes with the package.
+        A folder of files, of which some may be missing. Without one, those that come with the package.
 
     Raises
     ------
     FileNotFoundError
         If the folder has none of the files.
     OSError, ValueError
-        If a file cannot be read, or holds something else; the text names it.
+        If a file cannot be read, or holds something else; the message names it.
     """
     if folder is None:
         return {
             title: {name: brdf.fits.fit(source, name) for name in brdf.fits.names(source)}
             for title, (source, _, _) in SOURCES.items()
         }
-    found = {
+    materials = {
         title: {name: make(folder / file, name) for name in _names(folder / file)}
         for title, (_, file, make) in SOURCES.items()
         if (folder / file).exists()
     }
-    if not found:
+    if not materials:
         raise FileNotFoundError(f"{folder}: has none of {', '.join(file for _, file, _ in SOURCES.values())}")
-    return found
+    return materials
 
 
 def _names(path: Path) -> list[str]:

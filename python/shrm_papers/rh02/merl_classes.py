@@ -1,4 +1,4 @@
-"""What kind of thing each material of the MERL database is, told by its name."""
+"""Classes of the materials of the MERL database, by their names."""
 
 from __future__ import annotations
 
@@ -50,9 +50,9 @@ CLASSES: Mapping[str, tuple[str, ...]] = {
         *("grease-covered-steel", "hematite", "nickel", "ss440", "steel", "tungsten-carbide"),
     ),
 }
-"""The 100 names by class, from matt to mirror-like."""
+"""The 100 names by class, classes from matt to mirror-like."""
 
 
 def class_of(name: str) -> str:
-    """Return the class of a material; "" for names that are not MERL's."""
-    return next((found for found, names in CLASSES.items() if name in names), "")
+    """Return the class of a material, or "" if its name is not MERL's."""
+    return next((label for label, names in CLASSES.items() if name in names), "")

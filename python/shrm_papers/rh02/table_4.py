@@ -1,4 +1,4 @@
-"""Table 4 of [RH02]: a Phong lobe prefiltered by direct integration and in frequency space.
+"""[RH02] table 4: a Phong lobe prefiltered by direct integration and in frequency space.
 
 The paper compares one implementation of each. Here direct integration comes in two forms: (a) the paper's
 kind, where every texel within the lobe's width is visited for every pixel, its angle and the lobe found
@@ -20,12 +20,13 @@ from shrm.frequency.prefilter import prefilter
 from shrm.frequency.relight import Prefilter
 from shrm.integrate.angular import AngularReflection, prefilter_angular
 
-from shrm_papers import flops, single_thread
+from shrm_papers import single_thread
+from shrm_papers.errors import relative_rms_on_sphere
 from shrm_papers.exponents import fit
-from shrm_papers.peak import flops_per_second
 from shrm_papers.plotting import COLORS, measured_line, panels, papers_line, plain_log
-from shrm_papers.representations import root_areas
 from shrm_papers.result import Cell, Result, Settings
+from shrm_papers.rh02 import flops
+from shrm_papers.rh02.peak import flops_per_second
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,9 +35,14 @@ NAME = "rh02-table-4"
 
 Call = Callable[[], object]
 
-EPSILON = 0.05  # of the lobe that direct integration leaves out [RH02 section 7.4]
-VIEW = (0.0, 0.0, 1.0)  # a radial lobe's map is the same for all views
-REPEATS = 40  # of what takes less than a millisecond, to one measurement
+EPSILON = 0.05
+"""Fraction of the lobe's integral that direct integration leaves out [RH02 section 7.4]."""
+
+VIEW = (0.0, 0.0, 1.0)
+"""Any view: a radial lobe's map is the same for all."""
+
+REPEATS = 40
+"""Calls to one measured time, of work that takes less than a millisecond."""
 
 PAPER = {
     8: (67.28, 0.081),
@@ -47,7 +53,7 @@ PAPER = {
     256: (3.55, 0.461),
     512: (2.28, 0.686),
 }
-"""[RH02] table 4: seconds in angular and in frequency space, at 1.4 GHz, by the exponent s."""
+"""[RH02] table 4, by the exponent s: seconds in angular and in frequency space, at 1.4 GHz."""
 
 BEYOND = (1024, 2048, 4096)
 """Exponents past the paper's, towards s*, where both sides cost the same."""
@@ -55,71 +61,53 @@ BEYOND = (1024, 2048, 4096)
 
 def make(settings: Settings) -> Result:
     """Measure both sides for every exponent."""
-    found = single_thread.measured(__name__, settings)
-    rows = found["rows"]
+    measured = single_thread.measured(__name__, settings)
+    rows = [row_of(row, measured["size"], measured["peak"]) for row in measured["rows"]]
     return Result(
         NAME,
-        f"time to prefilter with Phong's lobe, by integration and in frequency space, {settings.env_name}",
-        (
-            "s",
-            "angular (a), ms",
-            "angular (b), ms",
-            "F",
-            "frequency, ms",
-            "(a) / frequency",
-            "(b) / frequency",
-            "angular, s [RH02]",
-            "frequency, s [RH02]",
-            "ratio [RH02]",
-            "error, angular",
-            "error, angular rescaled",
-            "error, frequency",
-            "F = 1 + sqrt(6 s) [RH02]",
-            "error there",
-            "ms there",
-            "frequency in one shot, ms",
-            "of peak, (a)",
-            "of peak, (b)",
-            "of peak, frequency",
-        ),
-        [row_of(row, found["size"], found["peak"]) for row in rows],
-        notes(found),
-        picture(rows),
+        f"Time to prefilter with Phong's lobe, by integration and in frequency space, {settings.env_name}",
+        tuple(rows[0]),
+        [list(row.values()) for row in rows],
+        notes(measured),
+        picture(measured["rows"]),
     )
 
 
-def row_of(row: dict[str, Any], size: int, peak: float) -> list[Cell]:
-    """Return a row of the table from what was measured."""
+def row_of(row: dict[str, Any], size: int, peak: float) -> dict[str, Cell]:
+    """Return the cells of a row by their headings, from what was measured."""
     s, (a, b, frequency, papers, one_shot) = row["s"], row["seconds"]
-    papers_times = PAPER.get(s)
+    angular_paper, frequency_paper = PAPER.get(s, (None, None))
+    ratio_paper = angular_paper and frequency_paper and round(angular_paper / frequency_paper, 1)
     flops_a, flops_b = (flops.angular_flops(size, s, EPSILON, symmetry) for symmetry in (False, True))
-    return [
-        s,
-        1e3 * a,
-        1e3 * b,
-        row["F"],
-        1e3 * frequency,
-        a / frequency,
-        b / frequency,
-        *((*papers_times, round(papers_times[0] / papers_times[1], 1)) if papers_times else (None,) * 3),
-        row["angular error"],
-        row["rescaled error"],
-        row["frequency error"],
-        row["paper's F"],
-        row["paper's error"],
-        1e3 * papers,
-        1e3 * one_shot,
-        flops_a / a / peak,
-        flops_b / b / peak,
-        flops.frequency_flops(size, row["F"]) / frequency / peak,
-    ]
+    return {
+        "s": s,
+        "angular (a), ms": 1e3 * a,
+        "angular (b), ms": 1e3 * b,
+        "F": row["F"],
+        "frequency, ms": 1e3 * frequency,
+        "(a) / frequency": a / frequency,
+        "(b) / frequency": b / frequency,
+        "angular, s [RH02]": angular_paper,
+        "frequency, s [RH02]": frequency_paper,
+        "ratio [RH02]": ratio_paper,
+        "error, angular": row["angular error"],
+        "error, angular rescaled": row["rescaled error"],
+        "error, frequency": row["frequency error"],
+        "F = 1 + sqrt(6 s) [RH02]": row["paper's F"],
+        "error there": row["paper's error"],
+        "ms there": 1e3 * papers,
+        "frequency in one shot, ms": 1e3 * one_shot,
+        "of peak, (a)": flops_a / a / peak,
+        "of peak, (b)": flops_b / b / peak,
+        "of peak, frequency": flops.frequency_flops(size, row["F"]) / frequency / peak,
+    }
 
 
 # ---- What is measured
 
 
 def measure(env: Environment, quick: bool) -> dict[str, Any]:
-    """Return for every exponent its orders, errors and median seconds."""
+    """Return the orders, errors and median seconds of every exponent, the size, and the machine's peak."""
     size = 32 if quick else 128
     exponents = (8, 32) if quick else (*PAPER, *BEYOND)
     rounds = 3 if quick else 9
@@ -129,7 +117,7 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
     for s in exponents:
         rows.append(compared(light, s))
         calls += timed(light, s, rows[-1]["F"], rows[-1]["paper's F"], rounds)
-    # All in turn, so that what disturbs one disturbs all.
+    # All take turns, so that what disturbs one disturbs all.
     seconds = single_thread.processor_seconds([repeated(*call) for call in calls], rounds)
     each = np.median(seconds, axis=0) / [times for _, times in calls]
     for row, of_row in zip(rows, each.reshape(len(rows), -1), strict=True):
@@ -141,12 +129,13 @@ def compared(light: Environment, s: int) -> dict[str, Any]:
     """Return the orders and errors for one exponent."""
     exact = converged(light, s)
     forms = [integrated(light, s, symmetry) for symmetry in (False, True)]
-    angular = min(map_error(form, exact) for form in forms)
-    rescaled = min(map_error(form / np.float32(1 - EPSILON), exact) for form in forms)
+    angular = min(relative_rms_on_sphere(form, exact) for form in forms)
+    rescaled = min(relative_rms_on_sphere(form / np.float32(1 - EPSILON), exact) for form in forms)
 
     def error(F: int) -> float:
-        return map_error(in_frequency(light, s, F), exact)
+        return relative_rms_on_sphere(in_frequency(light, s, F), exact)
 
+    # The smallest F that is no worse than integration.
     F = 0
     while (frequency := error(F)) > min(angular, rescaled):
         F += 1
@@ -163,7 +152,10 @@ def compared(light: Environment, s: int) -> dict[str, Any]:
 
 
 def timed(light: Environment, s: int, F: int, papers_F: int, rounds: int) -> list[tuple[Call, int]]:
-    """Return what is timed, and how often in one measurement: two forms in angular space, then frequency."""
+    """Return the calls to time, each with its number to one measured time.
+
+    Angular (a) and (b); the maps of F and of the paper's F; F with nothing kept from before.
+    """
     return [
         (integration(light, s, False, rounds), 1),
         (integration(light, s, True, rounds), 1),
@@ -174,7 +166,7 @@ def timed(light: Environment, s: int, F: int, papers_F: int, rounds: int) -> lis
 
 
 def repeated(call: Call, times: int) -> Call:
-    """Return a call that makes another so many times."""
+    """Return a call that makes another `times` times."""
 
     def again() -> None:
         for _ in range(times):
@@ -184,21 +176,21 @@ def repeated(call: Call, times: int) -> Call:
 
 
 def integration(light: Environment, s: int, symmetry: bool, rounds: int) -> Call:
-    """Direct integration, its tables made before."""
+    """Time direct integration, its tables made before."""
     # A radial lobe's map is kept once it is made: each round, and the one that does not count, has its own.
     fresh = [lobe(light, s, symmetry) for _ in range(rounds + 1)]
     return lambda: fresh.pop().at_view(VIEW)
 
 
 def relighting(light: Environment, s: int, F: int) -> Call:
-    """Light to coefficients to the map, all tables and memory made before."""
+    """Time light to coefficients to the map, all tables and memory made before."""
     plan = Prefilter(light, brdf.Phong(s), orders=(F, 0), size=len(light.pixels))
     out = np.empty(light.pixels.shape, dtype=np.float32)
     return lambda: plan.update(light).at_view(VIEW, out)
 
 
 def in_one_shot(light: Environment, s: int, F: int) -> object:
-    """Light and material to the map, with nothing kept from before."""
+    """Make the map from light and material, with nothing kept from before."""
     analyse.cache_clear()
     return in_frequency(Environment(light.pixels), s, F)
 
@@ -207,25 +199,25 @@ def in_one_shot(light: Environment, s: int, F: int) -> object:
 
 
 def lobe(light: Environment, s: int, symmetry: bool) -> AngularReflection:
-    """Direct integration of the part of the lobe that [RH02] section 7.4 keeps, one node to a texel."""
+    """Integrate the part of the lobe that [RH02] section 7.4 keeps, one node to a texel."""
     return prefilter_angular(
         light, brdf.Phong(s), tolerance=EPSILON, size=len(light.pixels), subsamples=1, symmetry=symmetry
     )
 
 
 def integrated(light: Environment, s: int, symmetry: bool) -> Float32Array:
-    """The map by direct integration."""
+    """Return the map by direct integration."""
     return lobe(light, s, symmetry).at_view(VIEW)
 
 
 def in_frequency(light: Environment, s: int, F: int) -> Float32Array:
-    """The map by a series to degree F."""
+    """Return the map by a series to degree F."""
     rm = prefilter(light, brdf.Phong(s), orders=(F, 0), size=len(light.pixels))
     return rm.at_view(VIEW)
 
 
 def converged(light: Environment, s: int) -> Float32Array:
-    """The map of the same piecewise constant light to rounding.
+    """Return the map of the same piecewise constant light, exact to rounding.
 
     rho_l falls as exp(-l^2 / 2s) [RH02 section 6.3], which is 1e-8 at l = 6 sqrt(s); for small s, where the
     lobe's edge shows, as a power.
@@ -233,13 +225,7 @@ def converged(light: Environment, s: int) -> Float32Array:
     return in_frequency(light, s, 40 + int(6 * np.sqrt(s)))
 
 
-def map_error(found: Float32Array, exact: Float32Array) -> float:
-    """Relative RMS difference over the sphere, channels pooled."""
-    root = root_areas(*exact.shape[:2]).astype(np.float64).reshape(*exact.shape[:2], 1)
-    return float(np.linalg.norm(root * (found - exact)) / np.linalg.norm(root * exact))
-
-
-# ---- What it means
+# ---- What the numbers mean
 
 
 def crossings(
@@ -265,24 +251,9 @@ def measured_crossing(
     return None
 
 
-def notes(found: dict[str, Any]) -> list[str]:
+def notes(measured: dict[str, Any]) -> list[str]:
     """Return what the numbers mean."""
-    rows, size = found["rows"], found["size"]
-    sides = [row for row in rows if row["s"] in PAPER]
-    s = [row["s"] for row in sides]
-    a, b, frequency = ([row["seconds"][k] for row in sides] for k in range(3))
-    angular_paper, frequency_paper = zip(*(PAPER[each] for each in s), strict=True)
-    lines = [
-        crossings(s, *times) for times in ((a, frequency), (b, frequency), (angular_paper, frequency_paper))
-    ]
-    (line_a, free_a), (line_b, free_b), (line_paper, free_paper) = lines
-    laws = [fit(s, times).exponent for times in (a, b, frequency)]
-    all_s = [row["s"] for row in rows]
-    times = [[row["seconds"][k] for row in rows] for k in range(4)]
-    met_a, met_b, met_a_papers, met_b_papers = (
-        f"{star:.0f}" if star is not None else f"beyond {all_s[-1]}"
-        for star in (measured_crossing(all_s, times[k], times[f]) for f in (2, 3) for k in (0, 1))
-    )
+    rows, size = measured["rows"], measured["size"]
     return [
         f"Light and maps are {2 * size} x {size} lat-long, RGB; the paper's are 128 x 128. Times are"
         " processor time of one thread, the median of rounds in which all calls take turns; tables and memory"
@@ -304,28 +275,58 @@ def notes(found: dict[str, Any]) -> list[str]:
         f" cubic and three channels; {flops.FLOPS_OF_SUM} for each of (b), and"
         f" {flops.FLOPS_OF_WEIGHT} for each weight; in frequency space the products of the two"
         " transforms, phi folded to a quarter. The peak is that of a float32 matrix product of BLAS in the"
-        f" same process, {found['peak'] / 1e9:.0f} Gflop/s.",
+        f" same process, {measured['peak'] / 1e9:.0f} Gflop/s.",
+        measured_crossings_note(rows),
+        fitted_crossings_note([row for row in rows if row["s"] in PAPER], size),
+    ]
+
+
+def measured_crossings_note(rows: Sequence[dict[str, Any]]) -> str:
+    """Say at which s* the measured times of both sides meet."""
+    s = [row["s"] for row in rows]
+    a, b, frequency, at_papers_F = ([row["seconds"][k] for row in rows] for k in range(4))
+
+    def star(angular: Sequence[float], frequency: Sequence[float]) -> str:
+        crossing = measured_crossing(s, angular, frequency)
+        return f"beyond {s[-1]}" if crossing is None else f"{crossing:.0f}"
+
+    return (
         "s*, where both sides cost the same, is measured between the rows, some of which go past the paper's:"
-        f" (a) {met_a}, (b) {met_b} at equal errors; {met_a_papers} and {met_b_papers} at the paper's F."
+        f" (a) {star(a, frequency)}, (b) {star(b, frequency)} at equal errors; {star(a, at_papers_F)} and"
+        f" {star(b, at_papers_F)} at the paper's F."
         " Where lobes are narrower than texels, one node for each is no longer accurate, and a small F does"
-        " as well.",
+        " as well."
+    )
+
+
+def fitted_crossings_note(rows: Sequence[dict[str, Any]], size: int) -> str:
+    """Say at which s* lines through the times of the paper's exponents meet."""
+    s = [row["s"] for row in rows]
+    a, b, frequency = ([row["seconds"][k] for row in rows] for k in range(3))
+    papers = zip(*(PAPER[exponent] for exponent in s), strict=True)
+    lines = [crossings(s, *times) for times in ((a, frequency), (b, frequency), tuple(papers))]
+    (line_a, free_a), (line_b, free_b), (line_paper, free_paper) = lines
+    laws = [fit(s, times).exponent for times in (a, b, frequency)]
+    return (
         "s* of lines through the times of the paper's exponents: of the slopes of eq. 9, sqrt(s), and 10,"
         f" 1/s, {line_a:.0f} for (a), {line_b:.0f} for (b) and {line_paper:.0f} for the paper's times; of"
         f" free slopes {free_a:.0f}, {free_b:.0f} and {free_paper:.0f}. The free slopes are {laws[0]:.2f},"
         f" {laws[1]:.2f} and, in frequency space, {laws[2]:.2f}; where they are flatter than the theory's,"
         " for work that s does not change, the theory's lines meet before the times do. Its own"
         f" s* = S_L^(4/3), constants left out, is {(2 * size**2) ** (2 / 3):.0f} for S_L^2 = {2 * size} x"
-        f" {size} texels, and 645 for 128 x 128 [RH02 section 6.3].",
-    ]
+        f" {size} texels, and 645 for 128 x 128 [RH02 section 6.3]."
+    )
 
 
 def picture(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Draw times against s, ours in ms, the paper's in s, dotted the theory's slopes; the ratios beside."""
+    """Draw times against s, ours in ms, the paper's in s, dotted the theory's slopes; ratios at the right."""
     figure, (times, ratios) = panels(1, 2, 13.0, 5.8)
     s = np.array([row["s"] for row in rows], dtype=np.float64)
     a, b, frequency = (np.array([row["seconds"][k] for row in rows]) for k in range(3))
-    s_paper = np.array([each for each in s if each in PAPER])
-    angular_paper, frequency_paper = np.array([PAPER[each] for each in s_paper]).T
+    s_paper = np.array([exponent for exponent in s if exponent in PAPER])
+    angular_paper, frequency_paper = np.array([PAPER[exponent] for exponent in s_paper]).T
+
+    # Times
     for index, (label, seconds, slope) in enumerate(
         (("angular (a)", a, -1.0), ("angular (b)", b, -1.0), ("frequency", frequency, 0.5))
     ):
@@ -335,6 +336,8 @@ def picture(rows: Sequence[dict[str, Any]]) -> Figure:
     papers_line(times, 0, "angular, s [RH02]", s_paper, angular_paper)
     papers_line(times, 2, "frequency, s [RH02]", s_paper, frequency_paper)
     times.set(ylabel="milliseconds of one thread; [RH02] in seconds; dotted: slopes of theory")
+
+    # Ratios
     for index, (label, ratio) in enumerate(
         (("(a) / frequency", a / frequency), ("(b) / frequency", b / frequency))
     ):

@@ -1,10 +1,10 @@
-"""A model of velvet: upright fibres, that shine where the half vector is far from the normal [AP07].
+"""A model of velvet: upright fibres that shine where the half vector is far from the normal [AP07].
 
     f = D(theta_h) F(L.H) / (4 (N.L + N.V - N.L N.V)) + diffuse / pi
     D = (1 + 4 exp(-cot^2(theta_h) / width^2) / sin^4(theta_h)) / (pi (1 + 4 width^2))
 
-D is of integral 1 when projected on the surface. It is at its largest near theta_h = 90 degrees, where light
-and view both graze: light comes back brightly from everywhere around the horizon, also towards its source.
+D integrates to 1 over the projected hemisphere. It is largest near theta_h = 90 degrees, where light and view
+both graze: light comes back brightly from everywhere around the horizon, also towards its source.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from shrm.brdf import BRDF, from_function
 from shrm.brdf.half_vector import half_vector, schlick
 from shrm.validation import RGB
 
-SHARPEST = 1e-3
-"""The least sin^2(theta_h): below it exp(-cot^2 / width^2) is 0 for any width up to 5."""
+LEAST_SIN2 = 1e-3
+"""Smallest sin^2(theta_h) used: below it exp(-cot^2 / width^2) vanishes for any width up to 5."""
 
 
 def velvet(width: float, f0: RGB, diffuse: RGB) -> BRDF:
-    """Make a material of the model.
+    """Return a material of the model.
 
     Parameters
     ----------
     width : float
-        Of the fibres' spread about upright, above 0, up to 5.
+        Width of the fibres' spread about upright, above 0, up to 5.
     f0 : three floats
         Reflectance of the fibres at normal incidence.
     diffuse : three floats
@@ -34,7 +34,7 @@ def velvet(width: float, f0: RGB, diffuse: RGB) -> BRDF:
 
     def f(wi: FloatArray, wo: FloatArray) -> FloatArray:
         h = half_vector(wi, wo)
-        sin2 = np.maximum(h.sin2, SHARPEST)
+        sin2 = np.maximum(h.sin2, LEAST_SIN2)
         D = (1 + 4 * np.exp(-h.cos2 / (sin2 * width**2)) / sin2**2) / (np.pi * (1 + 4 * width**2))
         cos_i, cos_o = wi[:, 2], wo[:, 2]
         sheen = D / (4 * (cos_i + cos_o - cos_i * cos_o))

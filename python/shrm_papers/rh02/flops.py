@@ -1,4 +1,4 @@
-"""What prefiltering takes, counted: samples and flops of both sides of [RH02] tables 4 and 5.
+"""Samples and flops of prefiltering, counted for both sides of [RH02] tables 4 and 5.
 
 A multiply-add is two flops, a root's inverse one.
 """
@@ -10,13 +10,21 @@ from shrm.arrays import FloatArray
 from shrm.environment.layouts import directions
 
 CHANNELS = 3
-FLOPS_OF_WEIGHT = 8  # of one texel seen from one center: a multiply-add for the angle, three for the lobe
-FLOPS_OF_SUM = 2 * CHANNELS  # a multiply-add for each channel
 
-FLOPS_OF_HALF_VECTOR = 13  # L + V 4, its square 4, the root's inverse 1, three products and g 4
-FLOPS_OF_HALF_ANGLE = 15  # from half vector and normal: three differences, their square 6, the lobe 6
+FLOPS_OF_WEIGHT = 8
+"""A radial lobe's weight of a texel for a pixel: a multiply-add for the angle, three for the lobe's cubic."""
+
+FLOPS_OF_SUM = 2 * CHANNELS
+"""A weight times a texel, added: a multiply-add for each channel."""
+
+FLOPS_OF_HALF_VECTOR = 13
+"""L + V 4, its square 4, the root's inverse 1, three products and g 4."""
+
+FLOPS_OF_HALF_ANGLE = 15
+"""A lobe's weight from half vector and normal: three differences and their square 9, the lobe's cubic 6."""
 
 COUNTED_PIXELS = 512
+"""Pixels whose samples are counted one by one, for a mean."""
 
 
 def outer_angle(s: float, epsilon: float) -> float:
@@ -31,7 +39,7 @@ def samples(H: int, within: float) -> int:
     cos_phi = np.cos(2 * np.pi / W * np.arange(W))
     nearer = np.cos(within)
     # Every column of centers is the first one turned.
-    of_column = sum(
+    pairs_of_column = sum(
         int(
             np.count_nonzero(
                 cos_t * np.cos(theta)[:, None] + sin_t * np.sin(theta)[:, None] * cos_phi >= nearer
@@ -39,7 +47,7 @@ def samples(H: int, within: float) -> int:
         )
         for cos_t, sin_t in zip(np.cos(theta), np.sin(theta), strict=True)
     )
-    return W * of_column
+    return W * pairs_of_column
 
 
 def angular_flops(H: int, s: float, epsilon: float, symmetry: bool) -> float:

@@ -1,4 +1,4 @@
-"""Ways to hold the reflected light of all views, B(R, V): each with its bytes and its look-up.
+"""Representations of the reflected light field B(R, V), each with its bytes and its look-up.
 
 All are looked up by the same bilinear interpolation in numpy, so that their times may be compared. R is the
 reflected view, by which all maps are indexed.
@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from shrm import sh
 from shrm.arrays import Float32Array, FloatArray, IntArray, RealArray
+from shrm.environment import layouts
 from shrm.prefiltered.icosahedron import weights
 
 
@@ -32,8 +33,8 @@ def corners(H: int, W: int, directions: FloatArray) -> Iterator[tuple[IntArray, 
             yield row * W + column, (weight_i * weight_j).astype(np.float32)[:, None]
 
 
-class Representation(ABC):
-    """What is stored, and how radiance is read from it."""
+class LightField(ABC):
+    """Stored arrays, and how radiance is read from them."""
 
     @abstractmethod
     def radiance(self, R: FloatArray, V: FloatArray) -> RealArray:
@@ -41,72 +42,72 @@ class Representation(ABC):
 
     @property
     def bytes(self) -> int:
-        """Of all stored arrays."""
+        """Bytes of all stored arrays."""
         stored = [getattr(self, part.name) for part in fields(self)]  # type: ignore[arg-type]
         return sum(array.nbytes for array in stored if isinstance(array, np.ndarray))
 
 
 @dataclass(frozen=True, eq=False)
-class Tabular(Representation):
+class Tabular(LightField):
     """T x T maps over R, one for each view of `shrm.explicit.grid_views`: (T, T, H, W, 3)."""
 
     maps: Float32Array
 
     def radiance(self, R: FloatArray, V: FloatArray) -> RealArray:
-        """Bilinear in R and in V: sixteen texels."""
+        """Look up bilinearly in R and in V: sixteen texels."""
         T, _, H, W, _ = self.maps.shape
         texels = self.maps.reshape(T * T, H * W, 3)
-        found = np.zeros(R.shape, dtype=np.float32)
-        at = list(corners(H, W, R))
+        radiance = np.zeros(R.shape, dtype=np.float32)
+        texels_of_R = list(corners(H, W, R))
         for view, weight_v in corners(T, T, V):
-            for texel, weight in at:
-                found += (weight_v * weight) * texels[view, texel]
-        return found
+            for texel, weight in texels_of_R:
+                radiance += (weight_v * weight) * texels[view, texel]
+        return radiance
 
 
 @dataclass(frozen=True, eq=False)
-class Icosahedral(Representation):
+class Icosahedral(LightField):
     """Twelve maps for the views of an icosahedron [CON99]: (12, H, W, 3)."""
 
     maps: Float32Array
 
     def radiance(self, R: FloatArray, V: FloatArray) -> RealArray:
-        """Bilinear in R, barycentric in the triangle that holds V."""
+        """Look up bilinearly in R, by barycentric weights in the triangle that holds V."""
         _, H, W, _ = self.maps.shape
         texels = self.maps.reshape(12, H * W, 3)
         shares = weights(V)
         near = np.argsort(shares, axis=1)[:, -3:]
         share = np.take_along_axis(shares, near, axis=1).astype(np.float32)
-        found = np.zeros(R.shape, dtype=np.float32)
+        radiance = np.zeros(R.shape, dtype=np.float32)
         for texel, weight in corners(H, W, R):
             for k in range(3):
-                found += (weight * share[:, k : k + 1]) * texels[near[:, k], texel]
-        return found
+                radiance += (weight * share[:, k : k + 1]) * texels[near[:, k], texel]
+        return radiance
 
 
 @dataclass(frozen=True, eq=False)
-class Texture3D(Representation):
+class Texture3D(LightField):
     """Maps over R for T angles between R and V, no azimuth: (T, H, W, 3)."""
 
     maps: Float32Array
 
     def radiance(self, R: FloatArray, V: FloatArray) -> RealArray:
-        """Trilinear."""
+        """Look up trilinearly."""
         T, H, W, _ = self.maps.shape
         texels = self.maps.reshape(T, H * W, 3)
         theta_o = np.arccos(np.clip(np.einsum("nk,nk->n", R, V), -1, 1))
         depth = np.clip(theta_o * (T / np.pi) - 0.5, 0, T - 1)
         near = np.minimum(depth.astype(np.int64), T - 2)
         far_share = (depth - near).astype(np.float32)[:, None]
-        found = np.zeros(R.shape, dtype=np.float32)
+        radiance = np.zeros(R.shape, dtype=np.float32)
         for texel, weight in corners(H, W, R):
-            found += weight * ((1 - far_share) * texels[near, texel] + far_share * texels[near + 1, texel])
-        return found
+            radiance += weight * ((1 - far_share) * texels[near, texel] + far_share * texels[near + 1, texel])
+        return radiance
 
 
 @dataclass(frozen=True, eq=False)
-class Quantised(Representation):
-    """Vector quantisation of the table: each texel names a shape over the views, and has its own gain.
+class Quantised(LightField):
+    """The table vector-quantised: each texel names a shape over the views, and has its own gain.
 
     Attributes
     ----------
@@ -123,66 +124,66 @@ class Quantised(Representation):
     shapes: Float32Array
 
     def radiance(self, R: FloatArray, V: FloatArray) -> RealArray:
-        """Bilinear in R and in V."""
+        """Look up bilinearly in R and in V."""
         H, W = self.code.shape
         codes, T = self.shapes.shape[:2]
         shapes = self.shapes.reshape(codes, T * T, 3)
         gains, code = self.gain.reshape(H * W, 3), self.code.reshape(H * W)
-        found = np.zeros(R.shape, dtype=np.float32)
+        radiance = np.zeros(R.shape, dtype=np.float32)
         views = list(corners(T, T, V))
         for texel, weight in corners(H, W, R):
             shape = sum(weight_v * shapes[code[texel], view] for view, weight_v in views)
-            found += weight * gains[texel] * shape
-        return found
+            radiance += weight * gains[texel] * shape
+        return radiance
 
 
 @dataclass(frozen=True, eq=False)
-class Factored(Representation):
+class Factored(LightField):
     """A sum of products [RH02 eq. 4]: g_a over R, (H, W, terms, 3), and h_a over V, (T, T, terms)."""
 
     g: Float32Array
     h: Float32Array
 
     def radiance(self, R: FloatArray, V: FloatArray) -> RealArray:
-        """Bilinear in each factor."""
+        """Look up each factor bilinearly."""
         H, W, terms, _ = self.g.shape
         T = len(self.h)
         g, h = self.g.reshape(H * W, terms, 3), self.h.reshape(T * T, terms)
         of_view = sum(weight * h[view] for view, weight in corners(T, T, V))
-        found = np.zeros(R.shape, dtype=np.float32)
+        radiance = np.zeros(R.shape, dtype=np.float32)
         for texel, weight in corners(H, W, R):
-            found += weight * np.einsum("nac,na->nc", g[texel], of_view)
-        return found
+            radiance += weight * np.einsum("nac,na->nc", g[texel], of_view)
+        return radiance
 
 
 @dataclass(frozen=True, eq=False)
-class Coefficients(Representation):
+class Coefficients(LightField):
     """Harmonics of R and V both [RH02 eq. 5]; ((F+P+1)^2, (P+1)^2, 3) in the global form."""
 
     b: Float32Array
 
     def radiance(self, R: FloatArray, V: FloatArray) -> RealArray:
-        """The whole series at each R."""
+        """Sum the series at each R and V."""
         count, terms, _ = self.b.shape
         maps = sh.evaluate(self.b.reshape(count, -1), R).reshape(len(R), terms, 3)
         return np.asarray(np.einsum("nac,na->nc", maps, sh.evaluate(np.eye(terms), V)))
 
 
 @dataclass(frozen=True, eq=False)
-class HarmonicMaps(Representation):
+class HarmonicMaps(LightField):
     """The SHRM [RH02 eq. 7]: (P+1)^2 maps over R, each a coefficient of the view; (H, W, (P+1)^2, 3)."""
 
     maps: Float32Array
 
     def radiance(self, R: FloatArray, V: FloatArray) -> RealArray:
-        """Bilinear in R, the series in V."""
+        """Look up bilinearly in R and sum the series in V."""
         H, W, terms, _ = self.maps.shape
         texels = self.maps.reshape(H * W, terms, 3)
         Y = sh.evaluate(np.eye(terms), V).astype(np.float32)
-        found = np.zeros(R.shape, dtype=np.float32)
+        radiance = np.zeros(R.shape, dtype=np.float32)
         for texel, weight in corners(H, W, R):
-            found += weight * np.einsum("nac,na->nc", texels[texel], Y)
-        return found
+            radiance += weight * np.einsum("nac,na->nc", texels[texel], Y)
+        return radiance
 
 
 # ---- Compression of the table
@@ -191,10 +192,11 @@ class HarmonicMaps(Representation):
 def factored(table: Float32Array, terms: int) -> Factored:
     """Return the table's best sum of `terms` products, in the mean square over R and V on their spheres."""
     T, _, H, W, _ = table.shape
+    # Weighted by the roots of solid angles, squares are integrals over both spheres.
     over_V, over_R = (root_areas(n, m) for n, m in ((T, T), (H, W)))
     weighted = table.reshape(T * T, H * W, 3) * over_V[:, None, None] * over_R[:, None]
     weighted = weighted.reshape(T * T, -1)
-    # The left singular vectors, from the small Gram matrix.
+    # The left singular vectors are the eigenvectors of the small Gram matrix.
     U = np.linalg.eigh((weighted @ weighted.T).astype(np.float64))[1][:, ::-1][:, :terms]
     g = (U.T.astype(np.float32) @ weighted).reshape(terms, H * W, 3) / over_R[:, None]
     return Factored(
@@ -205,6 +207,7 @@ def factored(table: Float32Array, terms: int) -> Factored:
 
 def quantised(table: Float32Array, codes: int, rounds: int) -> Quantised:
     """Return the table with its distributions over the views quantised, by k-means from a seeded start."""
+    # Each texel's distribution over the views is split into its mean, the gain, and its shape.
     T, _, H, W, _ = table.shape
     area = root_areas(T, T) ** 2
     views = table.reshape(T * T, H * W, 3).transpose(1, 0, 2)
@@ -213,10 +216,13 @@ def quantised(table: Float32Array, codes: int, rounds: int) -> Quantised:
     root = np.sqrt(area)[:, None]
     shapes = np.ascontiguousarray(views / gain[:, None, :] * root, dtype=np.float32).reshape(H * W, -1)
     energy = (gain.astype(np.float64) ** 2).sum(axis=1) * root_areas(H, W) ** 2
+
+    # Codes start at texels drawn by amplitude: by energy, a sun alone would take every one.
     rng = np.random.default_rng(1)
-    # By amplitude: by energy, a sun alone would take every code.
     share = np.sqrt(energy)
     book = shapes[rng.choice(H * W, codes, replace=False, p=share / share.sum())].copy()
+
+    # K-means, the error weighted by energy.
     for _ in range(rounds):
         code = nearest(shapes, book)
         for k in np.unique(code):
@@ -236,6 +242,5 @@ def nearest(vectors: Float32Array, book: Float32Array) -> IntArray:
 
 
 def root_areas(H: int, W: int) -> Float32Array:
-    """Square roots of the solid angles of an H x W grid's texels, (H W,)."""
-    edges = np.cos(np.arange(H + 1) * np.pi / H)
-    return np.sqrt(np.repeat((edges[:-1] - edges[1:]) * 2 * np.pi / W, W)).astype(np.float32)
+    """Return the square roots of the solid angles of an H x W lat-long grid's texels, (H W,)."""
+    return np.sqrt(layouts.solid_angles("latlong", H, W)).astype(np.float32).ravel()

@@ -1,4 +1,4 @@
-"""Ways to light an object at run time, side by side: frames per second, memory, error [LK03 table 1]."""
+"""Methods that light an object at run time, compared: frames per second, memory, error [LK03 table 1]."""
 
 from __future__ import annotations
 
@@ -27,30 +27,43 @@ from shrm.transfer.matrices.product import Path as Way
 from shrm.transfer.matrices.product import accumulate, harmonics, product, published, rotated, view_rows
 from shrm.transfer.object import RadianceTransfer, Variant
 
-from shrm_papers.lk03.transfer_reference import VERTICES, VIEWS, Reference
-from shrm_papers.lk03.transfer_subject import Subject, n
+from shrm_papers.lk03.reference import VERTICES, VIEWS, Reference
+from shrm_papers.lk03.subject import Subject, n
 
 Vertices = slice | npt.NDArray[np.intp]
 
 GLOSSY = brdf.AshikhminShirley(40, 10)
 MATT = brdf.Lambert(1.0)
 PHONG = brdf.Phong(10)
-"""About as sharp as half vectors' lobes of 40: those turn half as far."""
+"""About as sharp as a half-vector lobe of exponent 40, whose half vectors turn half as far."""
 
 FEW, TENTS = 7, 11
-COMPONENTS = (10, 25)  # K
-ACCURACY, QUICK_ACCURACY = 24.0, 12.0  # that the last K is chosen for, in dB
-SAMPLES = 64  # along each side of the parabolic map
-SECONDS = 0.6  # in which the frames of one way are timed
-_BURSTS, _PAUSE = 3, 0.1  # in which they are, and seconds before each
+"""M, the tents along each side of the square."""
+
+COMPONENTS = (10, 25)
+"""K, the principal components."""
+
+ACCURACY, QUICK_ACCURACY = 24.0, 12.0
+"""SNR in dB that one more K is chosen for."""
+
+SAMPLES = 64
+"""Samples along each side of the parabolic map."""
+
+SECONDS = 0.6
+"""Seconds in which the frames of a method are timed."""
+
+_BURSTS, _PAUSE = 3, 0.1
+"""Bursts that they are divided into, and seconds of rest before each."""
 
 EVERY = slice(None)
-ROTATIONS = sum((2 * l + 1) ** 2 for l in range(n))  # numbers of R_p
+
+ROTATIONS = sum((2 * l + 1) ** 2 for l in range(n))
+"""Numbers of a rotation R_p, block by block."""
 
 
 @dataclass(frozen=True)
 class Judged:
-    """A way of lighting an object.
+    """A method with its time, memory and error.
 
     Attributes
     ----------
@@ -58,15 +71,15 @@ class Judged:
     material : str
     shadowed : bool
     seconds : float
-        Of a frame: every vertex lit, eye and light moving. Median, wall time.
+        Median wall time of a frame: every vertex lit, eye and light moving.
     bytes : int
-        Of what was precomputed; vertices and frames left out.
+        Bytes of precomputed arrays, without vertices and frames.
     snr : float
         Relative SNR of radiance, in dB.
     published : float or None
-        The same by way of the expansions of [LK03], where that is another way.
+        The same through the expansions of [LK03], if these are another way.
     K : int or None
-        Principal components, where there are any.
+        Principal components, if there are any.
     """
 
     method: str
@@ -81,7 +94,7 @@ class Judged:
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """A way that is to be judged. What lights given vertices is made by functions: some takes much memory."""
+    """A method to be judged; its lighting is made for given vertices when needed: some takes much memory."""
 
     method: str
     material: brdf.BRDF
@@ -93,33 +106,33 @@ class _Candidate:
 
 
 def compare(subject: Subject, quick: bool = False) -> list[Judged]:
-    """Light an object in all ways, shadowed and not.
+    """Light an object by all methods, shadowed and not.
 
     Parameters
     ----------
     subject : Subject
     quick : bool
-        Whether to look at less.
+        Whether to take fewer vertices, views and samples.
 
     Returns
     -------
     list of Judged
-        Way by way, each shadowed, then not.
+        Method by method, each with shadows, then without.
     """
     extent = (VERTICES // 4, VIEWS // 4) if quick else (VERTICES, VIEWS)
     materials: tuple[brdf.BRDF, ...] = (GLOSSY, MATT, PHONG)
     references = {material: Reference(subject, material, *extent) for material in materials}
-    found = []
-    for one in _candidates(subject, *((16, QUICK_ACCURACY) if quick else (SAMPLES, ACCURACY))):
-        reference = references[one.material]
-        snr = reference.snr(one.make(reference.at), one.shadowed)
-        by_harmonics = None
-        if one.make_published is not None:
-            by_harmonics = reference.snr(one.make_published(reference.at), one.shadowed)
-        taken = frame_seconds(one.make(EVERY), 0.0 if quick else SECONDS)
-        about = one.method, one.material.name, one.shadowed
-        found.append(Judged(*about, taken, one.bytes, snr, by_harmonics, one.K))
-    return found
+    judged = []
+    for way in _candidates(subject, *((16, QUICK_ACCURACY) if quick else (SAMPLES, ACCURACY))):
+        reference = references[way.material]
+        snr = reference.snr(way.make(reference.at), way.shadowed)
+        published_snr = None
+        if way.make_published is not None:
+            published_snr = reference.snr(way.make_published(reference.at), way.shadowed)
+        seconds = frame_seconds(way.make(EVERY), 0.0 if quick else SECONDS)
+        key = way.method, way.material.name, way.shadowed
+        judged.append(Judged(*key, seconds, way.bytes, snr, published_snr, way.K))
+    return judged
 
 
 def frame_seconds(lighting: Lighting, seconds: float) -> float:
@@ -131,51 +144,58 @@ def frame_seconds(lighting: Lighting, seconds: float) -> float:
     bursts = []
     for _ in range(_BURSTS):
         time.sleep(_PAUSE)
-        taken: list[float] = []
+        times: list[float] = []
         end = time.perf_counter() + seconds / _BURSTS
-        while len(taken) < 5 or time.perf_counter() < end:
-            k = len(taken)
+        while len(times) < 5 or time.perf_counter() < end:
+            k = len(times)
             light = 0.2 * np.sin(1.7 * np.arange(n * n)[:, None] + 0.9 * np.arange(3) + 0.05 * k)
             eye = (4 * np.cos(0.13 * k), 4 * np.sin(0.13 * k), 0.8)
             start = time.perf_counter()
             lighting.radiance(light, eye=eye, out=out)
-            taken.append(time.perf_counter() - start)
-        bursts.append(median(taken[2:]))  # what is read first comes from far
+            times.append(time.perf_counter() - start)
+        bursts.append(median(times[2:]))  # the first frames find nothing in the caches
     return min(bursts)
 
 
 def _candidates(subject: Subject, samples: int, accuracy: float) -> Iterator[_Candidate]:
+    """Yield all methods in the table's order."""
     yield from _projections(subject, samples)
-    theirs = subject.precomputed(GLOSSY, M=TENTS, path=published(n), K=COMPONENTS[-1], half=False)
+
+    # Tents without compression: the matrices of few are discarded when those of many are made.
+    through_harmonics = subject.precomputed(GLOSSY, M=TENTS, path=published(n), K=COMPONENTS[-1], half=False)
     for M in (FEW, TENTS):
         few = {"K": 1} if M == FEW else {}
-        made = subject.precomputed(GLOSSY, M=M, path=Way(), accuracy=accuracy, matrices=True, **few)
-        for shadowed, variant in _by_shadows(made):
+        straight = subject.precomputed(GLOSSY, M=M, path=Way(), accuracy=accuracy, matrices=True, **few)
+        for shadowed, variant in _by_shadows(straight).items():
             yield _tents(subject, M, shadowed, variant)
+
+    # Principal components, as many as the paper's and to an accuracy
     for K in COMPONENTS:
-        for shadowed, variant in _by_shadows(made):
-            _, other = next(pair for pair in _by_shadows(theirs) if pair[0] == shadowed)
+        for shadowed, variant in _by_shadows(straight).items():
             name = f"{TENTS} x {TENTS} tents, PCA, K = {K}"
-            yield _compressed(subject, name, K, shadowed, variant, other)
-    for shadowed, variant in _by_shadows(made):
+            papers_variant = _by_shadows(through_harmonics)[shadowed]
+            yield _compressed(subject, name, K, shadowed, variant, papers_variant)
+    for shadowed, variant in _by_shadows(straight).items():
         name = f"{TENTS} x {TENTS} tents, PCA to {accuracy:g} dB"
         yield _compressed(subject, name, variant.K, shadowed, variant)
+
     yield from _sloans(subject)
 
 
-def _by_shadows(made: RadianceTransfer) -> tuple[tuple[bool, Variant], tuple[bool, Variant]]:
-    return (True, made.variants["shadowed"]), (False, made.variants["unshadowed"])
+def _by_shadows(transfer: RadianceTransfer) -> dict[bool, Variant]:
+    """Return the variants by whether they are shadowed."""
+    return {True: transfer.variants["shadowed"], False: transfer.variants["unshadowed"]}
 
 
-# ---- Each way
+# ---- The methods, one by one
 
 
 def _projections(subject: Subject, side: int) -> Iterator[_Candidate]:
-    """[KSS02]: T, a rotation, and the material's row at the view."""
+    """Yield [KSS02]: T, a rotation, and the material's row at the view."""
     vertices, frames = subject.mesh.vertices, subject.frames
     samples = parabolic_map(GLOSSY, n, side)
 
-    def made(transfer: Float32Array | None, prerotated: bool = False) -> Callable[[Vertices], Lighting]:
+    def lighting(transfer: Float32Array | None, prerotated: bool = False) -> Callable[[Vertices], Lighting]:
         return lambda at: Projection(
             vertices[at],
             frames[at],
@@ -186,54 +206,55 @@ def _projections(subject: Subject, side: int) -> Iterator[_Candidate]:
 
     T, rotations = subject.transfer, 4 * subject.size * ROTATIONS
     name = "Kautz et al. 2002"
-    yield _Candidate(name, GLOSSY, True, T.nbytes + rotations + samples.nbytes, made(T))
-    yield _Candidate(name, GLOSSY, False, rotations + samples.nbytes, made(None))
+    yield _Candidate(name, GLOSSY, True, T.nbytes + rotations + samples.nbytes, lighting(T))
+    yield _Candidate(name, GLOSSY, False, rotations + samples.nbytes, lighting(None))
     name = "Kautz et al. 2002, rotated beforehand"
-    yield _Candidate(name, GLOSSY, True, T.nbytes + samples.nbytes, made(T, prerotated=True))
+    yield _Candidate(name, GLOSSY, True, T.nbytes + samples.nbytes, lighting(T, prerotated=True))
 
 
 def _tents(subject: Subject, M: int, shadowed: bool, variant: Variant) -> _Candidate:
-    """Tents without compression [LK03 eq. 9]."""
+    """Return tents without compression [LK03 eq. 9]."""
     vertices, frames, matrices = subject.mesh.vertices, subject.frames, variant.matrices
     assert matrices is not None
     P = product(GLOSSY, M, n, subject.rays, published(n)).outer
     assert P is not None
     tents = P.reshape(M * M, 1, n * n)  # times R_p T_p they are the matrices of [LK03]
 
-    def by_harmonics(at: Vertices) -> Lighting:
+    def through_harmonics(at: Vertices) -> Lighting:
         return Projection(vertices[at], frames[at], tents, subject.transfer[at] if shadowed else None)
 
-    def made(at: Vertices) -> Lighting:
+    def straight(at: Vertices) -> Lighting:
         return Tents(vertices[at], frames[at], np.array(matrices[at]))  # from disk into memory
 
-    return _Candidate(f"{M} x {M} tents", GLOSSY, shadowed, matrices.nbytes, made, by_harmonics)
+    return _Candidate(f"{M} x {M} tents", GLOSSY, shadowed, matrices.nbytes, straight, through_harmonics)
 
 
 def _compressed(
-    subject: Subject, name: str, K: int, shadowed: bool, variant: Variant, theirs: Variant | None = None
+    subject: Subject, name: str, K: int, shadowed: bool, variant: Variant, papers: Variant | None = None
 ) -> _Candidate:
-    """Principal components [LK03 eq. 13]."""
+    """Return K principal components [LK03 eq. 13], and those of the paper's way if it is another."""
     vertices, frames = subject.mesh.vertices, subject.frames
 
-    def of(one: Variant) -> Callable[[Vertices], Lighting]:
-        weights, components = _held(one)
-        used = min(K, one.K)  # of simple objects there are not as many
+    def lighting(variant: Variant) -> Callable[[Vertices], Lighting]:
+        weights, components = _weights_and_components(variant)
+        used = min(K, variant.K)  # simple objects have fewer
         return lambda at: Compressed(vertices[at], frames[at], weights[at], components, K=used)
 
-    weights, components = _held(variant)
+    weights, components = _weights_and_components(variant)
     size = weights[:, :K].nbytes + components[:K].nbytes
-    by_harmonics = None if theirs is None else of(theirs)
-    return _Candidate(name, GLOSSY, shadowed, size, of(variant), by_harmonics, min(K, variant.K))
+    through_harmonics = None if papers is None else lighting(papers)
+    return _Candidate(name, GLOSSY, shadowed, size, lighting(variant), through_harmonics, min(K, variant.K))
 
 
-def _held(variant: Variant) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
+def _weights_and_components(variant: Variant) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
     assert variant.weights is not None
     assert variant.components is not None
     return variant.weights, variant.components
 
 
 def _sloans(subject: Subject) -> Iterator[_Candidate]:
-    """[SKS02]: a row for each vertex of matt materials, a convolution for lobes about the reflection."""
+    """Yield [SKS02]: a row for each vertex of a matt material, a convolution for a lobe about R."""
+    # Matt: the row of the upward view, from the rays that meet nothing
     vertices, frames = subject.mesh.vertices, subject.frames
     straight = rotated(rows(MATT, [[0.0, 0.0, 1.0]], n).astype(np.float32), frames)  # (V, 1, n^2)
     shaded = np.empty_like(straight)
@@ -251,6 +272,8 @@ def _sloans(subject: Subject) -> Iterator[_Candidate]:
         lambda at: Diffuse(straight[at] @ subject.transfer[at]),
     )
     yield _Candidate(name, MATT, False, straight.nbytes, lambda at: Diffuse(straight[at]))
+
+    # Phong
     name, kernel, T = "Sloan et al. 2002, Phong by convolution", zonal_kernel(PHONG, n), subject.transfer
     yield _Candidate(
         name, PHONG, True, T.nbytes, lambda at: Convolution(vertices[at], frames[at], kernel, T[at])

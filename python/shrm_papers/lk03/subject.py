@@ -1,4 +1,4 @@
-"""The object that the results of [LK03] are about: its mesh, what its vertices see, and what comes of that.
+"""The object of the results of [LK03]: its mesh, the visibility of its vertices, and its transfer.
 
 Rays are cast once and kept in a temporary folder, for all materials and all ways from rays to tents.
 """
@@ -33,9 +33,10 @@ n = 5
 """Order of the light: 25 coefficients [LK03 section 7]."""
 
 DIRECTIONS, QUICK = 4096, 512
-"""Rays over a sphere; half of them are cast from each vertex."""
+"""Rays over the sphere, of which half are cast from each vertex; fewer in quick runs."""
 
 KNOT = "a knot"
+"""The name of the object without a mesh."""
 
 
 class Subject:
@@ -46,9 +47,9 @@ class Subject:
     mesh : Mesh
         In the coordinates of the light, z up.
     name : str
-        How it is called.
+        Its name in titles.
     directions : int
-        Rays over a sphere.
+        Rays over the sphere.
 
     Attributes
     ----------
@@ -73,15 +74,15 @@ class Subject:
 
     @cached_property
     def visibility(self) -> Visibility:
-        """What the vertices see."""
-        # Where `precompute` looks for it: it casts no ray twice
+        """Which rays of the vertices meet nothing."""
+        # The folder in which `precompute` looks for them, so that no ray is cast twice
         folder = self._folder / "rays"
-        seen = Visibility(folder, self.mesh.vertices, self.mesh.faces, self.frames, self.rays)
-        seen.compute()
-        return seen
+        visibility = Visibility(folder, self.mesh.vertices, self.mesh.faces, self.frames, self.rays)
+        visibility.compute()
+        return visibility
 
     def visible(self, at: npt.NDArray[np.integer[Any]]) -> BoolArray:
-        """Return which rays of some vertices, in ascending order, meet nothing: (k, D)."""
+        """Return which rays of some vertices, given in ascending order, meet nothing: (k, D)."""
         size = self.visibility.block
         parts = [
             self.visibility[block].visible[at[at // size == block] - block * size]
@@ -92,7 +93,7 @@ class Subject:
     @cached_property
     def transfer(self) -> Float32Array:
         """T_p of all vertices, (V, n^2, n^2): light to transferred light, in global coordinates."""
-        # What the light becomes does not depend on the material, nor on the tents
+        # Transferred light depends neither on the material nor on the tents.
         inner = product(Lambert(1.0), 2, n, self.rays, Way(inner=n)).inner
         assert inner is not None
         Y = harmonics(self.rays, n).astype(np.float32)
@@ -104,12 +105,12 @@ class Subject:
         return T
 
     def precomputed(self, material: BRDF, **options: Any) -> RadianceTransfer:
-        """Return the object with its transfer, unshadowed and shadowed; see `shrm.transfer.precompute`.
+        """Return the transfer of the object, unshadowed and shadowed; see `shrm.transfer.precompute`.
 
-        Its uncompressed matrices are on disk until the next call.
+        Uncompressed matrices stay on disk until the next call.
         """
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # accuracy that is not reached is what is shown
+            warnings.simplefilter("ignore", UserWarning)  # an accuracy that is not reached is in the results
             return precompute(
                 self.mesh,
                 material,
@@ -121,8 +122,8 @@ class Subject:
             )
 
 
-def subject(settings: Settings) -> Subject:
-    """Return the object of a run: that of the mesh, or a knot."""
+def subject_of(settings: Settings) -> Subject:
+    """Return the object of a run: the mesh of the settings, or a knot."""
     return _read(settings.mesh, settings.quick)
 
 
@@ -135,7 +136,7 @@ def _read(path: Path | None, quick: bool) -> Subject:
     return Subject(mesh.placed(radius=1.0), name, QUICK if quick else DIRECTIONS)
 
 
-def note(this: Subject) -> str:
-    """Say what the object is."""
-    said = f"The object: {this.name}, {this.size} vertices, {len(this.rays)} rays from each."
-    return said if this.name != KNOT else f"{said} [LK03] show a bird and a head: give a mesh with --mesh."
+def note(subject: Subject) -> str:
+    """Return the note on the object of a result."""
+    size = f"The object: {subject.name}, {subject.size} vertices, {len(subject.rays)} rays from each."
+    return size if subject.name != KNOT else f"{size} [LK03] show a bird and a head: give a mesh with --mesh."

@@ -1,7 +1,4 @@
-"""What the vertices of an object send out, summed ray by ray: neither tents nor harmonics in between.
-
-Sources: [LK03].
-"""
+"""The radiance of an object's vertices summed ray by ray, without tents or harmonics in between [LK03]."""
 
 from __future__ import annotations
 
@@ -15,19 +12,19 @@ from shrm.transfer.matrices.product import harmonics, rotated, view_rows
 from shrm.transfer.rays.directions import local_directions
 from shrm.transfer.tangent_frames import local_coefficients
 
-from shrm_papers.lk03.transfer_subject import Subject, n
+from shrm_papers.lk03.subject import Subject, n
 
 VERTICES, VIEWS = 96, 32
-"""Where methods are judged."""
+"""Vertices and views at which methods are judged."""
 
 _LOWEST = 1e-3
-"""Cosine of views that are taken for those at and below the horizon."""
+"""Smallest cosine of a view; views below are raised to it."""
 
 _TOGETHER = 64
 """Vertices whose rays are summed at once."""
 
 _FINER = 4
-"""How many times as many rays are summed where nothing hides the light, and none need be cast."""
+"""Factor on the number of rays where nothing hides the light, and none need be cast."""
 
 
 class Reference:
@@ -37,19 +34,19 @@ class Reference:
     ----------
     subject : Subject
     material : BRDF
-        Of one channel.
+        A material of one channel.
     vertices, views : int
-        How many are drawn, seeded: vertices of faces, and views from all around; those from above the
-        vertex count.
+        How many are drawn, by a fixed seed: vertices of faces, and views from all around, of which a vertex
+        is judged by those above its horizon.
 
     Attributes
     ----------
     at : (k,) int
-        The vertices, in ascending order.
+        Indices of the vertices, ascending.
     views : (v, 3) float64
         Unit vectors to the viewers.
     seen : (k, v) bool
-        Which viewers are above which vertices.
+        Which viewers are above the horizon of which vertices.
     """
 
     def __init__(
@@ -67,7 +64,7 @@ class Reference:
         self._Y = harmonics(subject.rays, n).astype(np.float32)
 
     def rows(self, shadowed: bool) -> Float32Array:
-        """Return radiance of each pair of a vertex and a view that it sees, (pairs, n^2)."""
+        """Return the radiance of each pair of a vertex and a view above it, (pairs, n^2)."""
         vertex, _ = np.nonzero(self.seen)
         rays = self._rays
         if shadowed:
@@ -75,22 +72,23 @@ class Reference:
         return rotated((rays @ self._Y)[:, None], self._frames[vertex])[:, 0]
 
     def snr(self, lighting: Lighting, shadowed: bool) -> float:
-        """Return the relative SNR of a method, in dB: the mean over white light, vertices and views.
+        """Return the relative SNR of a method in dB, for white light and all pairs of vertices and views.
 
         Parameters
         ----------
         lighting : Lighting
-            Of these vertices alone, with one channel.
+            The method for these vertices alone, with one channel.
         shadowed : bool
         """
-        found = np.empty((*self.seen.shape, n * n), np.float32)
+        radiance = np.empty((*self.seen.shape, n * n), np.float32)
         for v, view in enumerate(self.views):
-            for first in range(0, n * n, 3):  # one harmonic for each of the three colors
+            # Three harmonics at once, one in each color
+            for first in range(0, n * n, 3):
                 count = min(3, n * n - first)
                 light = np.zeros((n * n, 3))
                 light[first + np.arange(count), np.arange(count)] = 1.0
-                found[:, v, first : first + count] = lighting.radiance(light, view=view)[:, :count]
-        return relative_snr(self.rows(shadowed), found[self.seen])
+                radiance[:, v, first : first + count] = lighting.radiance(light, view=view)[:, :count]
+        return relative_snr(self.rows(shadowed), radiance[self.seen])
 
 
 def radiance(
@@ -101,18 +99,18 @@ def radiance(
     shadowed: bool,
     at: IntArray,
 ) -> Float32Array:
-    """Return the radiance of vertices towards an eye, summed over rays; the others are left black.
+    """Return the radiance of some vertices towards an eye, summed over rays; the others stay black.
 
     Parameters
     ----------
     subject : Subject
     material : BRDF
-        Of one channel.
+        A material of one channel.
     light : (n^2, 3) array_like
     eye : (3,) array_like
     shadowed : bool
     at : (k,) int
-        Vertices, in ascending order.
+        Indices of the vertices, ascending.
 
     Returns
     -------
@@ -134,7 +132,7 @@ def radiance(
 
 
 def local_views(subject: Subject, eye: npt.ArrayLike) -> FloatArray:
-    """Return the views of an eye in the frames of all vertices, (V, 3); none below the horizon."""
+    """Return the views of an eye in the frames of all vertices, (V, 3); those below are raised."""
     views = np.einsum("pca,pc->pa", subject.frames, np.asarray(eye) - subject.mesh.vertices)
     across = np.linalg.norm(views[:, :2], axis=1)
     views[:, 2] = np.maximum(views[:, 2], _LOWEST * across)

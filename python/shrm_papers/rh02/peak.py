@@ -1,4 +1,4 @@
-"""What one core can do in float32: the yardstick for fractions of the machine's peak."""
+"""The peak of one core in float32, by which the speed of other work is measured."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from shrm_papers.single_thread import processor_seconds
 
 
 def flops_per_second(n: int = 768, rounds: int = 7) -> float:
-    """Return the flops of a second of processor time in an n x n float32 matrix product of BLAS.
+    """Return the flops in a second of processor time of an n x n float32 matrix product of BLAS.
 
     Such products reach nine tenths and more of what multiply-adds alone would reach. The fastest round
     counts. Call it in a process of one thread.
