@@ -29,7 +29,7 @@ def bench_analysis(measured: Measured, H: int, F: int) -> None:
 @pytest.mark.parametrize(("H", "F"), [(128, 30), (512, 12), (512, 30), (512, 100), (2048, 30)])
 def bench_planned(measured: Measured, H: int, F: int) -> None:
     pixels, known = _band_limited(H, F)
-    plan, out = sh.Plan(H, 2 * H, F), np.empty(known.shape)
+    plan, out = sh.Plan((H, 2 * H), F), np.empty(known.shape)
     measured(
         lambda: plan.analysis(pixels, out=out),
         lambda found: relative_rms(found, known),
@@ -43,7 +43,7 @@ def bench_planned(measured: Measured, H: int, F: int) -> None:
 def bench_areas(measured: Measured, H: int) -> None:
     F = 30
     pixels = texels((H, 2 * H, 3))
-    plan, out = sh.Plan(H, 2 * H, F, areas=True), np.empty(((F + 1) ** 2, 3))
+    plan, out = sh.Plan((H, 2 * H), F, areas=True), np.empty(((F + 1) ** 2, 3))
     measured(
         lambda: plan.analysis(pixels, out=out),
         lambda found: relative_rms(found, exact_areas(pixels, F)),
@@ -57,7 +57,7 @@ def _band_limited(H: int, F: int) -> tuple[npt.NDArray[np.float32], FloatArray]:
     c = coefficients(min(F, H // 2 - 1))
     known = np.zeros(((F + 1) ** 2, 3))
     known[: len(c)] = c
-    return sh.synthesis(c, H, 2 * H), known
+    return sh.synthesis(c, (H, 2 * H)), known
 
 
 def exact_areas(pixels: npt.NDArray[np.float32], F: int) -> FloatArray:

@@ -20,7 +20,7 @@ ORDERS = [(12, 2), (24, 3), (30, 3), (30, 5)]
 @pytest.mark.parametrize(("H", "F"), [(128, 30), (512, 30), (512, 100)])
 def bench_picture(measured: Measured, H: int, F: int) -> None:
     c = coefficients(F)
-    plan, out = sh.Plan(H, 2 * H, F), np.empty((H, 3, 2 * H), dtype=np.float32)
+    plan, out = sh.Plan((H, 2 * H), F), np.empty((H, 3, 2 * H), dtype=np.float32)
     rows, directions = some_rows("latlong", H)
     measured(
         lambda: plan.synthesis(c, out=out),
@@ -73,7 +73,7 @@ def bench_coefficients(measured: Measured, F: int, P: int) -> None:
     def error(_: None) -> float:
         flat = found.reshape(len(found), -1)
         return relative_rms(
-            sh.synthesis(flat, size, 2 * size).transpose(0, 2, 1), turned.reshape(size, -1, 64)
+            sh.synthesis(flat, (size, 2 * size)).transpose(0, 2, 1), turned.reshape(size, -1, 64)
         )
 
     measured(

@@ -96,7 +96,7 @@ def ours() -> Times:
     clock = time.thread_time if os.environ["OMP_NUM_THREADS"] == "1" else time.perf_counter
     found: Times = {}
     for H in PICTURES:
-        plan, picture, out = sh.Plan(H, 2 * H, F), texels((H, 2 * H, 3)), np.empty((sh.basis_size(F), 3))
+        plan, picture, out = sh.Plan((H, 2 * H), F), texels((H, 2 * H, 3)), np.empty((sh.basis_size(F), 3))
         found[_analysis(H)] = _median(partial(plan.analysis, picture, out=out), clock)
     for P in ORDERS:
         found[_synthesis(P)] = _median(_global_maps(P), clock)

@@ -28,7 +28,7 @@ MAPS = (P + 1) ** 2
 
 
 def analysis() -> tuple[Callable[[], Any], Work]:
-    plan, pixels, out = sh.Plan(H, 2 * H, F), texels((H, 2 * H, 3)), np.empty((sh.basis_size(F), 3))
+    plan, pixels, out = sh.Plan((H, 2 * H), F), texels((H, 2 * H, 3)), np.empty((sh.basis_size(F), 3))
     return lambda: plan.analysis(pixels, out=out), counts.analysis(H, 2 * H, F)
 
 

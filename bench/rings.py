@@ -45,7 +45,7 @@ def compare(W: int) -> list[dict[str, Any]]:
     planar = np.ascontiguousarray(picture.transpose(0, 2, 1))
     rows = []
     for F in DEGREES:
-        wide, thin = sh.Plan(H, W, F), sh.Plan(H, NARROW, F)
+        wide, thin = sh.Plan((H, W), F), sh.Plan((H, NARROW), F)
         out = np.empty((sh.basis_size(F), 3))
         found = medians(
             {
@@ -65,7 +65,7 @@ def compare(W: int) -> list[dict[str, Any]]:
 
 def _error(plan: sh.Plan, picture: Any) -> float:
     """Of the analysis, against the same quadrature in float64, in a few orders m."""
-    F, H, W = plan.F, plan.H, plan.W
+    F, (H, W) = plan.F, plan.shape
     found, exact = [], []
     coefficients = plan.analysis(picture)
     theta = (np.arange(H) + 0.5) * np.pi / H

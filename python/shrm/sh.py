@@ -10,14 +10,23 @@ Everything is separable: F-degree coefficients of an S x 2S picture take O(F S^2
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
-from shrm.validation import real_array, require_array, rotation, unit_vectors, whole_number
+from shrm.validation import (
+    flag,
+    picture_shape,
+    real_array,
+    require_array,
+    rotation,
+    unit_vectors,
+    whole_number,
+)
 
 __all__ = ["MAX_DEGREE", "Plan", "analysis", "basis_size", "degree_of", "evaluate", "rotate", "synthesis"]
 
@@ -51,15 +60,15 @@ def analysis(pixels: npt.ArrayLike, F: int) -> FloatArray:
     return _core.analysis(pixels=_picture(pixels), F=whole_number("F", F, 0, MAX_DEGREE), areas=False)
 
 
-def synthesis(coefficients: npt.ArrayLike, H: int, W: int) -> Float32Array:
+def synthesis(coefficients: npt.ArrayLike, shape: tuple[int, int]) -> Float32Array:
     """Evaluate coefficients at the texel centers of a lat-long picture.
 
     Parameters
     ----------
     coefficients : ((F+1)^2,) or ((F+1)^2, channels) array_like
         Real-basis coefficients.
-    H, W : int
-        Size of the picture, 1 to 65536 each.
+    shape : (H, W)
+        Rows and columns of the picture, 1 to 65536 each.
 
     Returns
     -------
@@ -68,14 +77,11 @@ def synthesis(coefficients: npt.ArrayLike, H: int, W: int) -> Float32Array:
     Raises
     ------
     TypeError, ValueError
-        If coefficients has another shape, is not real or not finite, or H or W is no whole number in its
-        range.
+        If coefficients has another shape, is not real or not finite, or `shape` is no pair of whole numbers
+        in their range.
     """
-    rings = _core.synthesis(
-        coefficients=_coefficients(coefficients),
-        H=whole_number("H", H, 1, 65536),
-        W=whole_number("W", W, 1, 65536),
-    )
+    H, W = picture_shape("shape", shape)
+    rings = _core.synthesis(coefficients=_coefficients(coefficients), H=H, W=W)
     return np.ascontiguousarray(rings.transpose(0, 2, 1))
 
 
@@ -125,16 +131,15 @@ def rotate(coefficients: npt.ArrayLike, R: npt.ArrayLike) -> FloatArray:
 
 
 class Plan:
-    """Analysis and synthesis at one size, again and again.
+    """Analysis and synthesis of many pictures of one shape.
 
     Its tables are made once; with `out` given, a call allocates no arrays but those of a check for numbers
-    that are not finite. Threads may share a plan: each
-    waits for its turn.
+    that are not finite. Threads may share a plan: each waits for its turn.
 
     Parameters
     ----------
-    H, W : int
-        Rows and columns of the pictures, 1 to 65536.
+    shape : (H, W)
+        Rows and columns of the pictures, 1 to 65536 each.
     F : int
         Largest degree, 0 to 1000.
     channels : int
@@ -151,20 +156,17 @@ class Plan:
     Examples
     --------
     >>> import numpy as np
-    >>> plan = Plan(64, 128, F=10)
+    >>> plan = Plan((64, 128), F=10)
     >>> coefficients = plan.analysis(np.ones((64, 128, 3), dtype=np.float32))
     >>> coefficients.shape
     (121, 3)
     """
 
-    def __init__(self, H: int, W: int, F: int, channels: int = 3, *, areas: bool = False) -> None:
-        self.H = whole_number("H", H, 1, 65536)
-        self.W = whole_number("W", W, 1, 65536)
+    def __init__(self, shape: tuple[int, int], F: int, channels: int = 3, *, areas: bool = False) -> None:
+        self.shape = picture_shape("shape", shape)
         self.F = whole_number("F", F, 0, MAX_DEGREE)
         self.channels = whole_number("channels", channels, 1, 4096)
-        if not isinstance(areas, bool):
-            raise TypeError(f"areas must be True or False, got {areas!r}")
-        self.areas = areas
+        self.areas = flag("areas", areas)
 
     def analysis(self, pixels: Float32Array, out: FloatArray | None = None) -> FloatArray:
         """Return the coefficients of a picture.
@@ -187,7 +189,7 @@ class Plan:
             If an array has another shape, type or order, or pixels are not finite, or too large to be added
             up in float32; `out` is then undefined.
         """
-        require_array("pixels", pixels, (self.H, self.W, self.channels), np.float32)
+        require_array("pixels", pixels, (*self.shape, self.channels), np.float32)
         shape = (basis_size(self.F), self.channels)
         if out is None:
             out = np.empty(shape)
@@ -221,20 +223,32 @@ class Plan:
         require_array("coefficients", coefficients, (basis_size(self.F), self.channels), np.float64)
         if not np.isfinite(coefficients).all():
             raise ValueError("coefficients must be finite")
-        shape = (self.H, self.channels, self.W)
+        H, W = self.shape
+        shape = (H, self.channels, W)
         if out is None:
             out = np.empty(shape, dtype=np.float32)
         require_array("out", out, shape, np.float32, writeable=True)
         self._synthesis.run(coefficients, out)
         return out
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what is pickled: the tables are made again."""
+        return partial(type(self), areas=self.areas), (self.shape, self.F, self.channels)
+
+    def __repr__(self) -> str:
+        H, W = self.shape
+        texels = "areas" if self.areas else "samples"
+        return f"<Plan of {H} x {W} {texels}, F={self.F}, {self.channels} channels>"
+
     @cached_property
     def _analysis(self) -> _core.Analysis:
-        return _core.Analysis(H=self.H, W=self.W, channels=self.channels, F=self.F, areas=self.areas)
+        H, W = self.shape
+        return _core.Analysis(H=H, W=W, channels=self.channels, F=self.F, areas=self.areas)
 
     @cached_property
     def _synthesis(self) -> _core.Synthesis:
-        return _core.Synthesis(H=self.H, W=self.W, channels=self.channels, F=self.F)
+        H, W = self.shape
+        return _core.Synthesis(H=H, W=W, channels=self.channels, F=self.F)
 
 
 def basis_size(F: int) -> int:

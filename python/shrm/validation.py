@@ -4,7 +4,7 @@ A wrong kind of thing is a TypeError, a wrong value or shape a ValueError. Funct
 return (`number`, `indices`, ...) return the argument in that form; those called `require_...` only check.
 
     number    positive    fraction    whole_number    number_or_rgb          numbers
-    flag    string    one_of    require_instance                             other single values
+    flag    string    one_of    picture_shape    require_instance         other single values
     real_array    float32_array    indices    unit_vectors    rotation       arrays that are converted
     require_array    require_stored    require_shape    require_finite       arrays that are taken as they are
 """
@@ -107,6 +107,22 @@ def whole_number(name: str, value: object, least: int, most: int | None = None) 
     if result < least or (most is not None and result > most):
         raise ValueError(f"{name} must be {_range(least, math.inf if most is None else most)}, got {result}")
     return result
+
+
+def picture_shape(
+    name: str, value: object, least: tuple[int, int] = (1, 1), most: int = 65536
+) -> tuple[int, int]:
+    """Return the shape (H, W) of a picture, H in [least[0], most] and W in [least[1], most].
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not that.
+    """
+    if not isinstance(value, Sequence) or isinstance(value, str | bytes) or len(value) != 2:
+        raise TypeError(f"{name} must be a pair (H, W), got {value!r}")
+    H, W = (whole_number(f"{name}[{k}]", value[k], least[k], most) for k in (0, 1))
+    return H, W
 
 
 def one_of(name: str, value: str, options: Iterable[str]) -> str:

@@ -46,7 +46,7 @@ def sphere(material: Reflection, view: View, pixels: int, samples: int = 2) -> P
 
 def brightest(env: Environment, F: int = 8) -> FloatArray:
     """Return the direction of the brightest light, (3,), of the environment to degree F."""
-    pixels = sh.synthesis(env.coefficients(F), 8 * F, 16 * F) @ LUMINANCE
+    pixels = sh.synthesis(env.coefficients(F), (8 * F, 16 * F)) @ LUMINANCE
     row, column = np.unravel_index(np.argmax(pixels), pixels.shape)
     return np.asarray(layouts.directions("latlong", *pixels.shape)[row, column])
 

@@ -129,7 +129,7 @@ def test_the_printed_bound_fails_at_low_degrees():
         # convolution theorem: B_lm = Lambda_l L_lm rho_l, here of the residual degree alone
         Lambda = np.sqrt(4 * np.pi / (2 * l + 1))
         residual = np.where(np.arange(len(light))[:, None] >= l * l, Lambda * light * rho, 0)
-        reflected = sh.synthesis(residual, 32, 64)
+        reflected = sh.synthesis(residual, (32, 64))
         energy = (sh.analysis(reflected, l) ** 2).sum()
         in_light, in_brdf = (light[l * l :] ** 2).sum(), rho**2
         assert energy > Lambda * in_light * in_brdf

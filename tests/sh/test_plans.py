@@ -52,10 +52,10 @@ def test_a_plan_gives_what_the_free_functions_give(H, W):
     for i, channels in enumerate(CHANNELS):
         F = degrees(H)[i % 5]
         x, c = picture(H, W, channels, seed=1), coefficients(F, channels, seed=2)
-        plan = sh.Plan(H, W, F, channels)
+        plan = sh.Plan((H, W), F, channels)
         np.testing.assert_array_equal(plan.analysis(x), sh.analysis(x, F))
-        np.testing.assert_array_equal(plan.synthesis(c).transpose(0, 2, 1), sh.synthesis(c, H, W))
-        areas = sh.Plan(H, W, F, channels, areas=True)
+        np.testing.assert_array_equal(plan.synthesis(c).transpose(0, 2, 1), sh.synthesis(c, (H, W)))
+        areas = sh.Plan((H, W), F, channels, areas=True)
         np.testing.assert_array_equal(areas.analysis(x), _core.analysis(pixels=x, F=F, areas=True))
 
 
@@ -63,7 +63,7 @@ def test_a_plan_gives_what_the_free_functions_give(H, W):
 @pytest.mark.parametrize("F", [0, 3, 40])
 def test_areas_are_those_of_the_environment(H, W, F):
     env = Environment(picture(H, W, 3, seed=3))
-    np.testing.assert_array_equal(sh.Plan(H, W, F, areas=True).analysis(env.pixels), env.coefficients(F))
+    np.testing.assert_array_equal(sh.Plan((H, W), F, areas=True).analysis(env.pixels), env.coefficients(F))
 
 
 def fejer_weights(H: int) -> np.ndarray:
@@ -80,7 +80,7 @@ def test_a_plan_agrees_with_plain_sums(H, W):
     for i, channels in enumerate(CHANNELS):
         F = (0, 1, 9, 12, min(H + 3, 15))[i % 5]
         Y = oracles.real_harmonics(F, oracles.directions(H, W).reshape(-1, 3))
-        plan = sh.Plan(H, W, F, channels)
+        plan = sh.Plan((H, W), F, channels)
         x, c = picture(H, W, channels, seed=4), coefficients(F, channels, seed=5)
 
         weight = np.repeat(fejer_weights(H), W)[:, None] * (2 * np.pi / W)
@@ -100,7 +100,7 @@ def test_a_plan_agrees_with_plain_sums(H, W):
 @pytest.mark.parametrize(("H", "W", "F", "channels"), [(33, 34, 20, 3), (16, 32, 40, 7), (6, 65, 5, 1)])
 def test_repeated_use_gives_the_same_bit_for_bit(H, W, F, channels):
     """Nothing of one picture is left for the next, not even of one that is refused."""
-    plan = sh.Plan(H, W, F, channels)
+    plan = sh.Plan((H, W), F, channels)
     x, c = picture(H, W, channels, seed=6), coefficients(F, channels, seed=7)
     first, maps = plan.analysis(x).copy(), plan.synthesis(c).copy()
     plan.analysis(picture(H, W, channels, seed=8))
@@ -114,7 +114,7 @@ def test_repeated_use_gives_the_same_bit_for_bit(H, W, F, channels):
 
 
 def test_out_is_filled_and_returned():
-    plan = sh.Plan(12, 26, 7, 5)
+    plan = sh.Plan((12, 26), 7, 5)
     x, c = picture(12, 26, 5, seed=10), coefficients(7, 5, seed=11)
     out = np.full((64, 5), np.nan)
     assert plan.analysis(x, out=out) is out
@@ -128,7 +128,7 @@ def test_out_is_filled_and_returned():
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_one_texel_that_is_not_finite_is_found_anywhere(areas, value):
     H, W = 5, 11
-    plan = sh.Plan(H, W, 3, 2, areas=areas)
+    plan = sh.Plan((H, W), 3, 2, areas=areas)
     for i, j in [(0, 0), (2, 5), (4, 10), (1, 7), (3, 3)]:
         for channel in (0, 1):
             x = picture(H, W, 2, seed=12)
@@ -137,7 +137,7 @@ def test_one_texel_that_is_not_finite_is_found_anywhere(areas, value):
                 plan.analysis(x)
 
 
-PLAN = sh.Plan(6, 12, 2, 3)
+PLAN = sh.Plan((6, 12), 2, 3)
 PIXELS, COEFFICIENTS = np.zeros((6, 12, 3), np.float32), np.zeros((9, 3))
 READ_ONLY = np.zeros((9, 3))
 READ_ONLY.flags.writeable = False
@@ -192,11 +192,11 @@ UNALIGNED = np.frombuffer(bytearray(6 * 12 * 3 * 4 + 1), np.uint8)[1:].view(np.f
         (lambda: PLAN.synthesis(COEFFICIENTS + np.inf), ValueError, "coefficients must be finite"),
         (lambda: PLAN.synthesis(COEFFICIENTS, PIXELS), ValueError, r"out must have the shape \(6, 3, 12\)"),
         (lambda: PLAN.synthesis(COEFFICIENTS, COEFFICIENTS), TypeError, "out must be an array of float32"),
-        (lambda: sh.Plan(0, 12, 2), ValueError, r"H must be in \[1, 65536\], got 0"),
-        (lambda: sh.Plan(6, 12.0, 2), TypeError, "W must be a whole number, got 12.0"),
-        (lambda: sh.Plan(6, 12, 1001), ValueError, r"F must be in \[0, 1000\], got 1001"),
-        (lambda: sh.Plan(6, 12, 2, 0), ValueError, r"channels must be in \[1, 4096\], got 0"),
-        (lambda: sh.Plan(6, 12, 2, areas=1), TypeError, "areas must be True or False, got 1"),
+        (lambda: sh.Plan((0, 12), 2), ValueError, r"shape\[0\] must be in \[1, 65536\], got 0"),
+        (lambda: sh.Plan((6, 12.0), 2), TypeError, r"shape\[1\] must be a whole number, got 12.0"),
+        (lambda: sh.Plan((6, 12), 1001), ValueError, r"F must be in \[0, 1000\], got 1001"),
+        (lambda: sh.Plan((6, 12), 2, 0), ValueError, r"channels must be in \[1, 4096\], got 0"),
+        (lambda: sh.Plan((6, 12), 2, areas=1), TypeError, "areas must be True or False, got 1"),
     ],
 )
 def test_bad_input_is_named(call, kind, text):
@@ -228,10 +228,10 @@ def test_the_core_names_its_arguments_too():
 
 def test_threads_may_share_a_plan():
     """Each waits for its turn; four callers, first calls included, and both directions at once."""
-    plan = sh.Plan(33, 70, 15)
+    plan = sh.Plan((33, 70), 15)
     pictures = [picture(33, 70, 3, seed) for seed in range(4)]
     alone = [sh.analysis(x, 15) for x in pictures]
-    maps = [sh.synthesis(c, 33, 70).transpose(0, 2, 1) for c in alone]
+    maps = [sh.synthesis(c, (33, 70)).transpose(0, 2, 1) for c in alone]
 
     def work(k: int) -> None:
         for _ in range(20):
@@ -246,7 +246,7 @@ def test_threads_may_share_a_plan():
 
 def test_the_steady_state_allocates_no_arrays():
     H, W, F = 128, 256, 20
-    plan = sh.Plan(H, W, F)
+    plan = sh.Plan((H, W), F)
     x, c = picture(H, W, 3, seed=13), np.empty(((F + 1) ** 2, 3))
     rings = np.empty((H, 3, W), dtype=np.float32)
     plan.synthesis(plan.analysis(x, out=c), out=rings)

@@ -9,4 +9,4 @@ def band_limited_environment(F: int, seed: int, H: int = 64) -> Environment:
     """A positive picture whose samples are band-limited."""
     c = np.random.default_rng(seed).normal(size=((F + 1) ** 2, 3)) / (F + 1)
     c[0] = 8
-    return Environment(sh.synthesis(c, H, 2 * H))
+    return Environment(sh.synthesis(c, (H, 2 * H)))

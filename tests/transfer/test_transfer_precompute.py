@@ -129,7 +129,7 @@ def test_without_occlusion_it_is_plain_shading(material, transfer, variant):
 
 def test_it_is_what_prefiltering_says():
     mesh, view = moved(ball(2), random_rotation(6)), np.array([0.6, 0.0, 0.8])
-    pixels = sh.synthesis(white(5) + 0.3 * random_light(5, 7), 64, 128)
+    pixels = sh.synthesis(white(5) + 0.3 * random_light(5, 7), (64, 128))
     environment = Environment(pixels.astype(np.float32))
     up = mesh[2] @ view > 0.1
     reflection = prefilter(environment, brdf.GGX(0.4), tolerance=0.01)

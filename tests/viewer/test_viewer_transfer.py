@@ -183,7 +183,7 @@ def test_plain_shading_is_integrated_in_the_same_light(
     assert app.state.eye is not None
     coefficients = Environment.read(sky).coefficients(N - 1)
     damped = np.repeat(np.sinc(np.arange(N) / N), 2 * np.arange(N) + 1)[:, None] * coefficients
-    light = Environment(sh.synthesis(damped, 90, 180).astype(np.float32)).rotated(about_vertical(50.0))
+    light = Environment(sh.synthesis(damped, (90, 180)).astype(np.float32)).rotated(about_vertical(50.0))
     mesh = TransferredMesh.placed(RadianceTransfer.load(tmp_path / "globe.shrt")).mesh
     rows, columns = np.array([100.5, 110.5, 120.5, 135.5]), np.array([100.5, 85.5, 115.5, 105.5])
     origins, directions = app.state.eye.camera.rays(columns, rows, 200, 240)

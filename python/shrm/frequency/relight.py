@@ -83,7 +83,7 @@ class Prefilter:
     def _prepare(self) -> None:
         """Make the tables and the memory that updates use."""
         H, W, _ = self._env.pixels.shape
-        self._analysis = sh.Plan(H, W, self.map.F, areas=True)
+        self._analysis = sh.Plan((H, W), self.map.F, areas=True)
         self._next_light = np.empty_like(self._light)
         self._rotate = _core.Rotation(F=self.map.F, channels=3)
         self._rotated = np.empty_like(self._light)

@@ -28,7 +28,7 @@ LARGEST_SIZE = 8192
 """Rows of a map; those of lat-long maps are even."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Request:
     """The arguments of `shrm.prefilter`, which says what they are; checked, and in one form each.
 
@@ -85,6 +85,9 @@ class Request:
             require_lobes(self.brdf, self.criterion)
         else:
             self._set("orders", _pair(self.orders))
+
+    def __repr__(self) -> str:
+        return f"<Request of {self.brdf.name}: {self.layout} {self.size or 'of any size'}>"
 
     def _set(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)

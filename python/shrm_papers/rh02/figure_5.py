@@ -112,7 +112,7 @@ def _spheres(
     degrees = np.repeat(np.arange(L + 1), 2 * np.arange(L + 1) + 1)
     pictures = {}
     for F_L, blur in gains.items():
-        blurred = Environment(sh.synthesis(light * blur[degrees, None], 2 * L + 2, 4 * L + 4))
+        blurred = Environment(sh.synthesis(light * blur[degrees, None], (2 * L + 2, 4 * L + 4)))
         for F_rho in gains:
             material = Phong(F_rho * F_rho / -np.log(1 - SHARE))
             rm = prefilter(blurred, material, orders=(L, 0), size=2 * L)

@@ -82,13 +82,13 @@ def analysis(pixels: Float32Array, F: int) -> Call:
 
 def synthesis(coefficients: FloatArray, S: int) -> Call:
     """Time B_lm to the one map of a radial BRDF."""
-    return lambda: sh.synthesis(coefficients, S, 2 * S)
+    return lambda: sh.synthesis(coefficients, (S, 2 * S))
 
 
 def both(pixels: Float32Array, F: int) -> Call:
     """Time light to the map of a radial BRDF, but for the product in between, which is of order F^2."""
     S = len(pixels)
-    return lambda: sh.synthesis(sh.analysis(pixels, F), S, 2 * S)
+    return lambda: sh.synthesis(sh.analysis(pixels, F), (S, 2 * S))
 
 
 def maps(env: Environment, F: int, P: int, S: int) -> Call:
@@ -116,7 +116,7 @@ def integration(angular: AngularReflection, S: int, views: FloatArray) -> Call:
 
 def light_of(env: Environment, S: int) -> Float32Array:
     """Return the environment to degree 15 as S x 2 S samples, so that every size has the same light."""
-    return sh.synthesis(env.coefficients(15), S, 2 * S)
+    return sh.synthesis(env.coefficients(15), (S, 2 * S))
 
 
 def radial_costs(env: Environment, quick: bool) -> list[Cost]:
