@@ -1,14 +1,14 @@
 """Materials from functions, tables and files of coefficients."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 from shrm import brdf
+from support.data import require
 from support.directions import direction, hemisphere, sphere, turned
 
-MEASURED = Path(__file__).parents[2] / ".." / "shared" / "data" / "brdf" / "lafortune_pbrt1.json"
+MEASURED = "brdf/lafortune_pbrt1.json"
 
 
 # Functions and tables -----------------------------------------------------------------------------
@@ -132,12 +132,9 @@ def test_tables_are_isotropic(axes):
 
 # Coefficients from files --------------------------------------------------------------------------
 
-needs_measured = pytest.mark.skipif(not MEASURED.exists(), reason="the shared data folder is absent")
 
-
-@needs_measured
 def test_skin_is_read_with_its_signs():
-    skin = brdf.Lafortune.read(MEASURED, "skin")
+    skin = brdf.Lafortune.read(require(MEASURED), "skin")
     assert skin.name.endswith("#skin)")
     assert np.shape(skin.x) == (3, 3)
     # The third lobe (-0.999, 0.858, 64) points forward: the mirror direction outshines the way back.
@@ -147,12 +144,11 @@ def test_skin_is_read_with_its_signs():
     assert np.all(brdf.directional_albedo(skin, [1.0, 0.7, 0.3]) < 1)
 
 
-@needs_measured
 def test_every_material_of_the_file_is_read():
-    names = list(json.loads(MEASURED.read_text()))
+    names = list(json.loads(require(MEASURED).read_text()))
     assert "brushedmetal" in names
     for name in names:
-        value = brdf.Lafortune.read(MEASURED, name).transfer(hemisphere(50, 42), hemisphere(50, 43))
+        value = brdf.Lafortune.read(require(MEASURED), name).transfer(hemisphere(50, 42), hemisphere(50, 43))
         assert value.shape == (50, 3)
         assert np.all(np.isfinite(value))
 

@@ -16,10 +16,9 @@ from shrm.frequency.reflection_map import ReflectionMap
 from shrm.image_io import ImageWarning, read_image, write_image
 from shrm.prefiltered import Prefiltered
 from shrm.version import __version__
+from support.data import require
 
 Array = npt.NDArray[np.floating]
-
-DATA = Path(__file__).parents[2] / "shared" / "data"
 
 
 Command = Callable[..., tuple[int, str, str]]
@@ -234,9 +233,7 @@ def test_render_takes_tangents(shrm: Command, sky: Path, tmp_path: Path, gpu: li
 
 
 def test_a_real_map_end_to_end(shrm: Command, tmp_path: Path) -> None:
-    source = DATA / "env" / "debevec_grace_cross.hdr"
-    if not source.exists():
-        pytest.skip("the captured environments are not there")
+    source = require("env/debevec_grace_cross.hdr")
     path = tmp_path / "grace.exr"
     assert shrm("prefilter", source, "--brdf", "microfacet:0.3", "-o", path)[0] == 0
     assert ReflectionMap.load(path).error <= 0.05

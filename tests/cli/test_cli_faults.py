@@ -14,9 +14,6 @@ from shrm.image_io import read_image, write_image
 Array = npt.NDArray[np.floating]
 
 
-DATA = Path(__file__).parents[2] / "shared" / "data"
-
-
 Command = Callable[..., tuple[int, str, str]]
 
 

@@ -11,26 +11,18 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
-import shrm._core as _core
 from shrm import Environment, ImageError, ImageWarning, image_io
 from shrm.environment import layouts
+from support.data import require
 
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "env"
 Array = npt.NDArray[np.float64]
-needs_analysis = pytest.mark.skipif(not hasattr(_core, "analysis"), reason="this core has no analysis")
-
-
-def data(name: str) -> Path:
-    if not (DATA / name).exists():
-        pytest.skip(f"{DATA / name} is not there")
-    return DATA / name
 
 
 @cache
 def read(name: str) -> Environment:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ImageWarning)
-        return Environment.read(data(name))
+        return Environment.read(require(f"env/{name}"))
 
 
 def integral(pixels: npt.NDArray[np.float32], layout: str = "latlong") -> Array:
@@ -208,7 +200,9 @@ def test_quarry_keeps_its_sun(layout: str) -> None:
 def test_orientation_charts_agree() -> None:
     """OpenEXR's cube and lat-long show one chart; the same texels must be dark in both."""
     with pytest.warns(ImageWarning, match="alpha"):
-        images = [image_io.read_image(data(f"openexr_Orientation{kind}.exr")) for kind in ("LatLong", "Cube")]
+        images = [
+            image_io.read_image(require(f"env/openexr_Orientation{kind}.exr")) for kind in ("LatLong", "Cube")
+        ]
     assert [image.layout for image in images] == ["openexr-latlong", "openexr-cube"]
     latlong, cube = (layouts.convert(image.pixels, str(image.layout), "latlong", 128) for image in images)
     # away from the poles, where the chart's own lat-long is smeared
@@ -247,8 +241,10 @@ def test_published_coefficients(name: str, layout: str, title: str, accuracy: fl
     As read, the figures are those that the data's notes state, to half a digit; converted to latitude and
     longitude, texels are areas twice, which costs another 1e-3 at most.
     """
-    published = np.array(json.loads(data("sh9_published_debevec_probes.json").read_text())["coeffs"][title])
-    pixels = image_io.read_image(data(name)).pixels
+    published = np.array(
+        json.loads(require("env/sh9_published_debevec_probes.json").read_text())["coeffs"][title]
+    )
+    pixels = image_io.read_image(require(f"env/{name}")).pixels
     if converted:
         pixels, layout = read(name).pixels, "latlong"
     d = np.nan_to_num(layouts.directions(layout, *pixels.shape[:2]))
@@ -310,7 +306,6 @@ def test_small_pictures_convert() -> None:
 # ---- spherical harmonics
 
 
-@needs_analysis
 def test_coefficients_of_a_constant_and_cache() -> None:
     env = Environment(np.ones((32, 64, 3)))
     c = env.coefficients(4)
@@ -322,7 +317,6 @@ def test_coefficients_of_a_constant_and_cache() -> None:
         env.coefficients(-1)
 
 
-@needs_analysis
 def test_irradiance_against_integration() -> None:
     """For light of degree 2 the nine terms are all there are."""
     d = layouts.directions("latlong", 128, 256)

@@ -2,19 +2,19 @@
 
 import json
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from support.machine import tool
 
 ROOT = Path(__file__).parents[2]
 CPP = sorted(str(path) for path in [*ROOT.glob("cpp/**/*.[ch]pp"), *ROOT.glob("tests/*.cpp")])
 
 CHECKS = {
-    "ruff check": ["ruff", "check", "python", "tests"],
-    "ruff format": ["ruff", "format", "--check", "python", "tests"],
+    "ruff check": ["ruff", "check", "python", "tests", "bench"],
+    "ruff format": ["ruff", "format", "--check", "python", "tests", "bench"],
     "mypy --strict": ["mypy"],
     "clang-format": ["clang-format", "--dry-run", "-Werror", *CPP],
 }
@@ -22,11 +22,8 @@ CHECKS = {
 
 @pytest.mark.parametrize("command", CHECKS.values(), ids=CHECKS.keys())
 def test_the_tool_has_nothing_to_say(command: list[str]) -> None:
-    tool = shutil.which(command[0], path=str(Path(sys.executable).parent))
-    if tool is None:
-        pytest.skip(f"{command[0]} is not installed beside this Python (pip install 'shrm[test]')")
     done = subprocess.run(
-        [tool, *command[1:]], cwd=ROOT, capture_output=True, text=True, stdin=subprocess.DEVNULL
+        [tool(command[0]), *command[1:]], cwd=ROOT, capture_output=True, text=True, stdin=subprocess.DEVNULL
     )
     assert done.returncode == 0, done.stdout + done.stderr
 

@@ -1,10 +1,9 @@
 """The C++ core under AddressSanitizer and UndefinedBehaviorSanitizer, warnings as errors."""
 
-import shutil
 import subprocess
 from pathlib import Path
 
-import pytest
+from support.machine import tool
 
 ROOT = Path(__file__).parents[2]
 BUILD = ROOT / "build" / "sanitize"
@@ -19,11 +18,9 @@ def run(*command: object) -> str:
 
 
 def test_the_core_is_clean_under_the_sanitizers() -> None:
-    cmake = shutil.which("cmake")
-    if cmake is None:
-        pytest.skip("cmake is not installed")
-    generator = ["-G", "Ninja"] if shutil.which("ninja") else []
+    cmake, ninja = tool("cmake"), tool("ninja")
     # --fresh: the folder may have been configured elsewhere; objects that are up to date are kept.
+    generator = "-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}"
     run(cmake, "--fresh", "-S", ROOT, "-B", BUILD, *generator, "-DSHRM_SANITIZE=ON")
     run(cmake, "--build", BUILD, "--parallel")
     assert run(BUILD / "sanitize").endswith("sanitize: done\n")

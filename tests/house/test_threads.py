@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 from shrm._core import processor
+from support.machine import require
 
 SCRIPT = """
 import sys
@@ -101,8 +102,8 @@ assert os.waitpid(child, 0)[1] == 0
 """
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
 def test_a_forked_child_works():
+    require(hasattr(os, "fork"), "a system with fork")
     environment = {**os.environ, "OMP_NUM_THREADS": "4"}
     subprocess.run([sys.executable, "-c", FORK], check=True, env=environment, timeout=60)
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from shrm import Environment, ImageError, ImageWarning, image_io
+from support.data import require
 
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "env"
 FILES = ("debevec_rnl_probe.hdr", "quarry_01_1k.hdr", "blender_studio.exr", "openexr_OrientationLatLong.exr")
 
 
@@ -65,9 +65,7 @@ def test_small_files(tmp_path: Path, suffix: str) -> None:
 
 @pytest.mark.parametrize("name", FILES)
 def test_real_files(tmp_path: Path, name: str) -> None:
-    if not (DATA / name).exists():
-        pytest.skip(f"{DATA / name} is not there")
-    whole = (DATA / name).read_bytes()
+    whole = require(f"env/{name}").read_bytes()
     rng = np.random.default_rng(2)
     path = tmp_path / name
     for cut in (10, 100, 300, 1000, len(whole) // 2, len(whole) - 1):

@@ -17,8 +17,7 @@ from shrm.render import (
     tangents_around,
     texture_lookup,
 )
-
-MESHES = Path(__file__).parents[2] / "shared" / "data" / "mesh"
+from support.data import require
 
 Float32 = npt.NDArray[np.float32]
 
@@ -173,14 +172,13 @@ def test_given_normals_are_used() -> None:
 
 @pytest.mark.parametrize("name", ["spot.obj", "teapot.obj", "trimesh_bunny.ply"])
 def test_mesh_files_are_read_upright(name: str) -> None:
-    if not (MESHES / name).exists():
-        pytest.skip(f"{name} is not there")
-    mesh = Mesh.read(MESHES / name).placed(radius=1.0)
+    path = require(f"mesh/{name}")
+    mesh = Mesh.read(path).placed(radius=1.0)
     assert np.abs(mesh.vertices).max() == pytest.approx(1.0)
     lengths = np.linalg.norm(mesh.vertex_normals[np.unique(mesh.faces)], axis=1)
     assert np.isclose(lengths, 1.0).mean() > 0.998  # the bunny has corners of slivers only
     assert np.isin(np.round(lengths, 9), [0.0, 1.0]).all()
-    raw = Mesh.read(MESHES / name, up="z")
+    raw = Mesh.read(path, up="z")
     np.testing.assert_allclose(
         np.ptp(raw.vertices, axis=0)[[2, 0, 1]] / np.ptp(mesh.vertices, axis=0),
         np.full(3, np.ptp(raw.vertices[:, 1]) / np.ptp(mesh.vertices[:, 2])),

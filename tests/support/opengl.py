@@ -1,8 +1,20 @@
-"""What the OpenGL that there is may differ by from the CPU."""
+"""OpenGL for the tests: contexts, and what they may differ by from the CPU."""
 
-from shrm.viewer import Context
+from shrm.viewer import Context, offscreen
+from shrm.viewer.gpu.context import ROUTES, ContextError, Route
+
+from support.machine import require
 
 SOFTWARE = ("llvmpipe", "softpipe", "swrast")
+
+
+def context(*routes: Route) -> Context:
+    """Make a context by one of these routes, or by any; see `support.machine.require`."""
+    try:
+        return offscreen(routes or ROUTES)
+    except ContextError as fault:
+        require(False, str(fault))
+        raise
 
 
 def lookup_error(context: Context, change: float) -> float:

@@ -9,18 +9,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import glfw
 import numpy as np
 import numpy.typing as npt
-import pytest
+from OpenGL import GL
 from shrm.image_io import write_image
+from shrm.viewer.window.app import Application
 from shrm.viewer.window.state import State
+from shrm.viewer.window.widgets import WIDTH
 
-glfw = pytest.importorskip("glfw")
-pytest.importorskip("slimgui")
-GL = pytest.importorskip("OpenGL.GL")
-
-from shrm.viewer.window.app import Application  # noqa: E402
-from shrm.viewer.window.widgets import WIDTH  # noqa: E402
+from support.machine import require
 
 SCREENSHOTS = Path(__file__).parents[2] / "build" / "screenshots"
 
@@ -38,8 +36,7 @@ def display() -> Iterator[None]:
         yield
         return
     server = shutil.which("Xvfb")
-    if server is None:
-        pytest.skip("there is no display, and no Xvfb to make one (apt-get install xvfb)")
+    require(server, "a display, or Xvfb to make one (apt-get install xvfb)")
     read, write = os.pipe()
     running = subprocess.Popen(
         [server, "-displayfd", str(write), "-screen", "0", "1280x960x24", "-nolisten", "tcp"],

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from shrm import Environment, ReflectionMap, brdf, prefilter
 from shrm.render import Camera, Object, Sphere
-from shrm.viewer import Context, ContextError, Renderer, Scene, offscreen
+from shrm.viewer import Context, ContextError, Renderer, Scene
 from shrm.viewer.gpu.context import ROUTES, Route, leave
+from support import opengl
 from support.window_driver import SIZE, Opened, glfw, same
 
 CAMERA = Camera((4.0, 2.0, 1.5), fov=32.0)
@@ -18,14 +19,11 @@ Make = Callable[[Route], Context]
 
 @pytest.fixture
 def made(screen: None) -> Iterator[Make]:
-    """Make contexts, which are released afterwards; skip where the machine has no such one."""
+    """Make contexts, which are released afterwards; see `support.machine.require`."""
     contexts = []
 
     def make(route: Route) -> Context:
-        try:
-            contexts.append(offscreen((route,)))
-        except ContextError as fault:
-            pytest.skip(str(fault))
+        contexts.append(opengl.context(route))
         return contexts[-1]
 
     yield make
