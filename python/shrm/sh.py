@@ -265,6 +265,7 @@ def degree_of(coefficients: npt.NDArray[np.generic]) -> int:
 
 
 def _picture(pixels: npt.ArrayLike) -> Float32Array:
+    """Samples as (H, W, channels) float32; TypeError or ValueError if they are not real and finite."""
     # Large pictures of float32 are not taken through float64.
     is_float32 = type(pixels) is np.ndarray and pixels.dtype == np.float32
     array = np.asarray(pixels) if is_float32 and np.isfinite(pixels).all() else real_array("pixels", pixels)
@@ -276,6 +277,7 @@ def _picture(pixels: npt.ArrayLike) -> Float32Array:
 
 
 def _coefficients(coefficients: npt.ArrayLike) -> FloatArray:
+    """Coefficients as ((F+1)^2, channels) float64; TypeError or ValueError if they are none."""
     array = real_array("coefficients", coefficients)
     if array.ndim == 1:
         array = array[:, None]

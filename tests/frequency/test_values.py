@@ -134,3 +134,35 @@ def test_a_loaded_map_knows_its_error(env, tmp_path):
     rm.save(tmp_path / "map.exr")
     back = copied(ReflectionMap.load(tmp_path / "map.exr"))
     assert back.error == pytest.approx(rm.error, rel=1e-6)
+
+
+def test_a_strip_is_a_cube(env):
+    """As pictures, cube maps are strips of faces: the name is taken here too."""
+    cube, strip = (
+        prefilter.prefilter(env, brdf.GGX(0.4), orders=(4, 1), size=8, layout=layout)
+        for layout in ("cube", "strip")
+    )
+    assert strip.layout == "cube"
+    np.testing.assert_array_equal(strip.parts[0].rings, cube.parts[0].rings)
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"orders": 5}, "orders must be a pair"),
+        ({"orders": (4, 25)}, r"P must be in \[0, 24\]"),
+        ({"size": 9}, "size must be even, got 9"),
+        ({"layout": "sphere"}, "layout must be one of latlong, cube, got 'sphere'"),
+        ({"half": 1}, "half must be True or False, got 1"),
+        ({"F_max": -1}, "F_max must be"),
+        ({"criterion": "brdf", "residual": "auto"}, "residual='auto' is for"),
+        ({"center": "middle"}, "center must be one of"),
+        ({"tolerance": 0}, "tolerance must be above 0"),
+        ({"method": "angular"}, "unexpected keyword argument 'method'"),
+    ],
+)
+def test_a_request_is_refused_before_anything_is_computed(env, options, text, monkeypatch):
+    monkeypatch.setattr(prefilter, "expansion_for", lambda _: pytest.fail("computed"))
+    for function in (prefilter.prefilter, Prefilter):
+        with pytest.raises((TypeError, ValueError), match=text):
+            function(env, brdf.GGX(0.4), **options)

@@ -43,8 +43,11 @@ from shrm.lobes.quadrature import (
     whole_quadrature,
 )
 
+_SMALLEST_SINGULAR = 1e-6
+"""Singular values of the fit below this fraction of the largest are cut: no view tells them."""
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class LobeAnalysis:
     """A lobe projected on degrees and azimuths, for every order that may be asked for.
 
@@ -95,12 +98,15 @@ class LobeAnalysis:
         """1, or 3 for a lobe whose channels differ."""
         return int(self.g.shape[0])
 
+    def __repr__(self) -> str:
+        return f"<LobeAnalysis, {self.kind} about the {self.center}: L={self.L} Q={self.Q} P={self.P}>"
+
     def degree_energy(self) -> FloatArray:
-        """Energy of each degree over all p, (L+1, channels): sum_q U_q of the mean over views of g_lq^2."""
+        """Return the energy of each degree over all p, (L+1, channels): sum_q U_q mean(g_lq^2)."""
         return np.asarray(np.einsum("cql,q->lc", self.g**2 @ self.weight, _multiplicity(self.Q)))
 
     def captured(self, P: int) -> FloatArray:
-        """Energy of each degree that an expansion to order P keeps, (L+1, channels)."""
+        """Return the energy of each degree that an expansion to order P keeps, (L+1, channels)."""
         return self._fit(P)[1]
 
     def coefficients(self, F: int, P: int) -> FloatArray:
@@ -111,17 +117,17 @@ class LobeAnalysis:
         return self._fit(P)[0][: F + 1]
 
     def _fit(self, P: int) -> tuple[FloatArray, FloatArray]:
-        """Least squares over theta_o for every (l, q): the coefficients and the energy they keep."""
+        """The coefficients that fit every g_lq over theta_o by least squares, and the energy they keep."""
         if P not in self._fits:
             rho = np.zeros((self.L + 1, P + 1, P + 1, self.channels))
             kept = np.zeros((self.L + 1, self.channels))
             for q in range(min(P, self.Q) + 1):
                 # [RH02] appendix C, step 1, the integral over theta_o with the factor 2 pi: eq. 13
-                triangle, wanted = self._factored(q, max(P, self.P))
+                triangle, projected = self._factored(q, max(P, self.P))
                 n = P - q + 1
                 U, singular, Vt = np.linalg.svd(triangle[:n, :n], full_matrices=False)
-                used = singular > 1e-6 * singular[0]
-                along = U.T[used] @ wanted[:n]
+                used = singular > _SMALLEST_SINGULAR * singular[0]
+                along = U.T[used] @ projected[:n]
                 fit = Vt[used].T @ (along / singular[used, None])
                 energy = (along**2).sum(axis=0).reshape(self.channels, self.L + 1)
                 kept += (1 if q == 0 else 2) * energy.T
@@ -130,16 +136,16 @@ class LobeAnalysis:
         return self._fits[P]
 
     def _factored(self, q: int, P: int) -> tuple[FloatArray, FloatArray]:
-        """R and Q^T g of the QR factors of the f_pq(theta_o), q <= p <= P: every lower P is in their corner.
+        """The triangle R and Q^T g of the QR factors of the f_pq(theta_o), q <= p <= P.
 
-        (P-q+1, P-q+1) and (P-q+1, channels (L+1)).
+        (P-q+1, P-q+1) and (P-q+1, channels (L+1)); those of every lower P are in their corner.
         """
         if (q, P) not in self._factors:
             root = np.sqrt(self.weight)
             basis = (_core.legendre(F=P, m=q, theta=self.theta_o)[q:] * root).T
             orthogonal, triangle = np.linalg.qr(basis)
-            wanted = (self.g[:, q] @ (orthogonal * root[:, None])).reshape(-1, len(triangle)).T
-            self._factors[q, P] = triangle, wanted
+            projected = (self.g[:, q] @ (orthogonal * root[:, None])).reshape(-1, len(triangle)).T
+            self._factors[q, P] = triangle, projected
         return self._factors[q, P]
 
 
@@ -177,16 +183,18 @@ def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
 
 
 def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
-    """The one-dimensional path: P = 0, rho_l00 = sqrt(4 pi) rho_l  [RH02] appendix C, radially symmetric."""
+    """Project the profile alone: P = 0, rho_l00 = sqrt(4 pi) rho_l  [RH02] appendix C, radially symmetric."""
     nodes = whole_quadrature(_width(lambda theta: lobe.profile(np.cos(theta))), L)
     profile = columns(lobe.profile(np.cos(nodes.theta_i[0])))
     g, energy = _project(profile.reshape(*nodes.shape, -1), nodes, L, 0)
-    one = np.ones(1)
-    return LobeAnalysis(lobe.center, "radial", gamma_table(lobe.center), 0 * one, one, g, energy @ one, 0)
+    theta_o, weight = np.zeros(1), np.ones(1)
+    return LobeAnalysis(
+        lobe.center, "radial", gamma_table(lobe.center), theta_o, weight, g, energy @ weight, 0
+    )
 
 
 def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
-    """No azimuth: only q = 0 [RH02 section 7.1, Kajiya-Kay]."""
+    """Project without azimuth: only q = 0 [RH02 section 7.1, Kajiya-Kay]."""
     views = max(96, 8 * (P + 1))
     if lobe.center == "tangent":  # V uniform on the sphere
         x, w = leggauss(views)
@@ -195,25 +203,31 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
     else:  # cos^2(theta_v) uniform, as for isotropic lobes
         x, w = unit_gauss(views)
         theta_o, weight = lobe.theta_o(np.pi / 2 * x), np.pi / 2 * w * np.sin(np.pi * x)
-        one = whole_quadrature(_narrowest(lobe, theta_o), L)
-        nodes = replace(one, **{n: np.repeat(getattr(one, n), views, axis=0) for n in _OF_VIEWS})
+        of_one_view = whole_quadrature(_narrowest(lobe, theta_o), L)
+        nodes = replace(
+            of_one_view, **{name: np.repeat(getattr(of_one_view, name), views, axis=0) for name in _BY_VIEW}
+        )
     table = lobe.profile(nodes.theta_i.ravel(), np.repeat(theta_o, nodes.theta_i.shape[1]))
     g, energy = _project(columns(table).reshape(*nodes.shape, -1), nodes, L, 0)
     gamma = gamma_table(lobe.center)
     return LobeAnalysis(lobe.center, "zonal", gamma, theta_o, weight, g, energy @ weight, P)
 
 
-_OF_VIEWS = ("theta_i", "weight_theta", "arc")
+_BY_VIEW = ("theta_i", "weight_theta", "arc")
+"""The attributes of `Quadrature` that have a row for each view."""
 
 
 def _narrowest(lobe: ZonalLobe, theta_o: FloatArray) -> float:
-    """The smallest width of its profiles, at some of the views."""
-    some = theta_o[:: max(len(theta_o) // 8, 1)]
-    return min(_width(lambda theta, at=at: lobe.profile(theta, np.full_like(theta, at))) for at in some)  # type: ignore[misc]
+    """The smallest width of a lobe's profiles, at about eight of the views."""
+
+    def width_at(angle: float) -> float:
+        return _width(lambda theta: lobe.profile(theta, np.full_like(theta, angle)))
+
+    return min(width_at(float(angle)) for angle in theta_o[:: max(len(theta_o) // 8, 1)])
 
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
-    """Both angles of the light, [RH02] appendix C: more nodes where two sets of them do not agree."""
+    """Project over both angles of the light [RH02 appendix C], with more nodes if two sets do not agree."""
     # With either set the lobe as expanded about R or its own center is exact to 1e-5 (relative RMS); low
     # orders need fewer azimuths, unless the lobe lies far from the center.
     low = P <= 3 and L <= 32 and lobe.center != "normal"
@@ -222,21 +236,22 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     # g holds more orders than P. The table of the lobe center is smooth in pieces only: from 54 views on,
     # more of them change nothing above 1e-5.
     views = max(54, 12 + (6 * P + L) // 3)
-    found = _projected(lobe, L, P, Q, views, K=20 if low else 32, least=8)
-    if found.quadrature_error > _ROUGH:
+    analysis = _projected(lobe, L, P, Q, views, K=20 if low else 32, least=8)
+    if analysis.quadrature_error > _ROUGH:
         return _projected(lobe, L, P, Q, max(views, 64), K=48, least=24)
-    return found
+    return analysis
 
 
 _LEAST_DEGREE = 30
-"""Nodes are for at least this degree: what a sharp lobe has beyond L must not be taken for what is below."""
+"""Nodes resolve at least this degree: what a sharp lobe has beyond L must not be taken for what is below."""
 
 _ROUGH = 1e-6
 """The quadrature error above which a lobe is taken to have jumps, and gets more nodes."""
 
 
 def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, least: int) -> LobeAnalysis:
-    # Gauss in theta_v, in which g is smooth, with the measure cos^2(theta_v) uniform
+    """Project on degrees l <= L and azimuths q <= Q with the nodes of `horizon_quadrature(..., K, least)`."""
+    # The views: Gauss in theta_v, in which g is smooth, with the measure cos^2(theta_v) uniform
     x, w = unit_gauss(views)
     theta_v = np.pi / 2 * x
     weight = np.pi / 2 * w * np.sin(2 * theta_v)
@@ -244,24 +259,27 @@ def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, 
     measured, width = lobe_center(lobe.function)
     gamma = measured if lobe.center == "lobe" else gamma_table(lobe.center)
     at_view = gamma_at(gamma, theta_v)
+
+    # The projections
     resolved = max(L, _LEAST_DEGREE)
     nodes = horizon_quadrature(at_view, width, resolved, K, least)
     g, energy = _project(tabulate(lobe.transfer, theta_v, at_view, nodes), nodes, L, Q)
 
     # The same by other nodes at every eighth view: what smooth lobes agree on and jumps do not
-    few = np.arange(3, views, 8)
-    others = horizon_quadrature(at_view[few], width, resolved, K + 7, least + 3)
-    other, _ = _project(tabulate(lobe.transfer, theta_v[few], at_view[few], others), others, L, Q)
-    difference = np.einsum("cql,q->", (g[..., few] - other) ** 2 @ weight[few], _multiplicity(Q))
-    whole = float((energy[:, few] @ weight[few]).sum())
-    error = float(difference / whole) if whole > 0 else 0.0
+    eighth = np.arange(3, views, 8)
+    other_nodes = horizon_quadrature(at_view[eighth], width, resolved, K + 7, least + 3)
+    other_table = tabulate(lobe.transfer, theta_v[eighth], at_view[eighth], other_nodes)
+    other_g, _ = _project(other_table, other_nodes, L, Q)
+    difference = np.einsum("cql,q->", (g[..., eighth] - other_g) ** 2 @ weight[eighth], _multiplicity(Q))
+    total = float((energy[:, eighth] @ weight[eighth]).sum())
+    error = float(difference / total) if total > 0 else 0.0
     return LobeAnalysis(
         lobe.center, "isotropic", gamma, theta_v + at_view, weight, g, energy @ weight, P, error
     )
 
 
 def _width(profile: Callable[[FloatArray], FloatArray]) -> float:
-    """Angle from the center within which half the energy of a profile of theta_i lies, radians."""
+    """The angle from the center within which half the energy of a profile of theta_i lies, radians."""
     nodes = whole_quadrature(1e-3, 0)
     energy = (columns(profile(nodes.theta_i[0])) ** 2).sum(axis=-1) * nodes.weight_theta[0]
     inside = np.cumsum(energy)
@@ -271,6 +289,7 @@ def _width(profile: Callable[[FloatArray], FloatArray]) -> float:
 
 
 def _project(table: FloatArray, nodes: Quadrature, L: int, Q: int) -> tuple[FloatArray, FloatArray]:
+    """The projections g (channels, Q+1, L+1, views) of a table, and its energy (channels, views)."""
     return _core.project(
         rho_hat=np.ascontiguousarray(table, dtype=np.float64),
         theta_i=nodes.theta_i,
@@ -284,5 +303,5 @@ def _project(table: FloatArray, nodes: Quadrature, L: int, Q: int) -> tuple[Floa
 
 
 def _multiplicity(Q: int) -> FloatArray:
-    """U_q: 1 for q = 0, else 2."""
+    """U_q for q = 0..Q: 1 for q = 0, else 2 [R02 eq. 5.18]."""
     return np.where(np.arange(Q + 1) == 0, 1.0, 2.0)

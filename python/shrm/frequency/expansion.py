@@ -136,30 +136,29 @@ def _with_orders(request: Request) -> Expansion:
                 text = limit_text(chosen, brdf, tolerance, request.criterion, *caps)
                 warnings.warn(text, ToleranceWarning, stacklevel=5)
             orders = tuple((lobe.F, lobe.P) for lobe in chosen.lobes)
-            return _whole(request, orders, (analysis_degree(chosen.F, request.F_max), request.P_max))
+            analysed_to = analysis_degree(chosen.F, request.F_max), request.P_max
+            return _expansion(request, brdf, None, orders, analysed_to)
     elif request.residual is None:
         F, P = request.orders
         orders = tuple((F, 0 if isinstance(lobe, RadialLobe) else P) for lobe in brdf.lobes)
-        return _whole(request, orders, request.orders)
+        return _expansion(request, brdf, None, orders, request.orders)
 
     # The largest orders do not hold the material, or a residual goes with those that are given.
     split = split_material(env, brdf, tolerance, request.orders or caps, fixed=request.orders is not None)
+    return _expansion(request, split.smooth, split.cores, split.orders, split.analysed_to)
+
+
+def _expansion(
+    request: Request,
+    smooth: BRDF,
+    cores: tuple[IsotropicLobe | RadialLobe | None, ...] | None,
+    orders: tuple[tuple[int, int], ...],
+    analysed_to: tuple[int, int],
+) -> Expansion:
+    """The expansion of a request's material, with the attributes that the request itself has."""
     return Expansion(
-        brdf,
-        split.smooth,
-        split.cores,
-        split.orders,
-        split.analysed_to,
-        request.criterion,
-        request.window,
-        request.F_max,
+        request.brdf, smooth, cores, orders, analysed_to, request.criterion, request.window, request.F_max
     )
-
-
-def _whole(request: Request, orders: tuple[tuple[int, int], ...], analysed_to: tuple[int, int]) -> Expansion:
-    """An expansion of whole lobes."""
-    brdf = request.brdf
-    return Expansion(brdf, brdf, None, orders, analysed_to, request.criterion, request.window, request.F_max)
 
 
 def _unsampled(lobe: LobeAnalysis, light: FloatArray, F: int, P: int, window: Window | None) -> Part:

@@ -164,6 +164,7 @@ def _pictures(k: int, part: CoefficientMaps, facts: Mapping[str, Any]) -> list[i
 
 
 def _saved_map(images: Mapping[str, image_io.Part], about: Mapping[str, Any]) -> SavedMap:
+    """The record of a file's parts; `about` is the metadata of the first."""
     lobes = _number(about, "shrm:lobes")
     if lobes < 1:
         raise ValueError(f"shrm:lobes = {lobes}")
@@ -248,8 +249,9 @@ def _image(
 
 
 def _pixels(images: Mapping[str, image_io.Part], name: str, shape: tuple[int | None, ...]) -> FloatArray:
+    """Finite pixels of a shape, in which None stands for any length; else ValueError, or KeyError."""
     pixels = images[name].pixels.astype(np.float64)
-    if any(want is not None and want != have for want, have in zip(shape, pixels.shape, strict=True)):
+    if any(length not in (None, actual) for length, actual in zip(shape, pixels.shape, strict=True)):
         raise ValueError(f"{name} of shape {pixels.shape}")
     if not np.isfinite(pixels).all():
         raise ValueError(f"{name} is not finite")
@@ -257,6 +259,7 @@ def _pixels(images: Mapping[str, image_io.Part], name: str, shape: tuple[int | N
 
 
 def _number(about: Mapping[str, Any], name: str) -> int:
+    """A degree, an order or a number of lobes: -1 to 1000, else ValueError."""
     value = int(about[name])
     if not -1 <= value <= 1000:
         raise ValueError(f"{name} = {value}")
@@ -264,12 +267,13 @@ def _number(about: Mapping[str, Any], name: str) -> int:
 
 
 def _map_channels(part: CoefficientMaps) -> list[str]:
+    """The names of the channels of `k.maps`."""
     pairs = [(p, q) for p in range(part.P + 1) for q in ([0] if part.zonal else range(-p, p + 1))]
     return [f"B_{p}_{q}.{c}" for p, q in pairs for c in "RGB"]
 
 
 def _triangle(light: FloatArray) -> FloatArray:
-    """((F+1)^2, 3) to (F+1, 2F+1, 3): L_lm at [l, m + F], zero elsewhere."""
+    """Coefficients ((F+1)^2, 3) as a picture (F+1, 2F+1, 3): L_lm at [l, m + F], zero elsewhere."""
     l, m = _degrees(len(light))
     F = int(l[-1])
     picture = np.zeros((F + 1, 2 * F + 1, 3))
@@ -278,11 +282,13 @@ def _triangle(light: FloatArray) -> FloatArray:
 
 
 def _from_triangle(picture: FloatArray) -> FloatArray:
+    """The inverse of `_triangle`."""
     l, m = _degrees(len(picture) ** 2)
     return np.ascontiguousarray(picture[l, m + len(picture) - 1])
 
 
 def _degrees(count: int) -> tuple[IntArray, IntArray]:
+    """The degree l and order m of each of the first coefficients."""
     index = np.arange(count)
     l = np.sqrt(index).astype(np.int64)
     return l, index - l * (l + 1)

@@ -107,7 +107,7 @@ class Part(CoefficientMaps):
 
     @cached_property
     def coefficients(self) -> FloatArray:
-        """Spherical harmonic coefficients of the maps: the exact, resolution-free form.
+        """The spherical harmonic coefficients of the maps: the exact form, without resolution.
 
         ((F+P+1)^2, maps, 3) float64; ((F+1)^2, P+1, 3) if zonal.
         """
@@ -166,7 +166,7 @@ class Part(CoefficientMaps):
 
 
 def zonal_harmonics(P: int, cosine: FloatArray) -> FloatArray:
-    """Y_p0 at angles whose cosines are given, for all p <= P: one more axis, the last."""
+    """Return Y_p0 at angles whose cosines are given, for all p <= P: one more axis, the last."""
     p = np.arange(P + 1)
     legendre = np.polynomial.legendre.legvander(np.clip(cosine, -1, 1), P)
     return np.asarray(legendre * np.sqrt((2 * p + 1) / (4 * np.pi)), np.float64)

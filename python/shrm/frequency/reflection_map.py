@@ -74,7 +74,7 @@ class ReflectionMap(Reflection):
 
     @property
     def error(self) -> float:
-        """The error predicted, in the criterion's measure.
+        """The predicted error, in the criterion's measure.
 
         For `light`: the relative RMS of the reflected radiance over all frames (N, V), of truncation and
         interpolation together. For the others: the fraction of energy that truncation leaves out. For maps

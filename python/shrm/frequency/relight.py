@@ -72,7 +72,8 @@ class Prefilter:
         self._request = request
         self._expansion = expansion_for(request)
         self.map = reflection_map(request, self._expansion)
-        self._cores_error = self.map.prediction.cores if isinstance(self.map.prediction, Prediction) else 0.0
+        assert isinstance(self.map.prediction, Prediction)
+        self._cores_error = self.map.prediction.cores
         # The material, the light as it was given, and how that has been turned since.
         self._material = request.brdf
         self._env = request.env

@@ -171,6 +171,7 @@ def _height(
         left_out = Measure(analyse(smooth, L, orders[1]), power, "light").squared_error(*orders)
         return float(np.log(max(left_out, 1e-300) / allowed))
 
+    # A bracket of the logarithm of the height, and the excess at its ends
     at, value = 0.0, excess(0.0)
     low, high = (at, np.inf) if value <= 0 else (-np.inf, at)
     at_low = at_high = value
@@ -178,8 +179,8 @@ def _height(
         if np.isfinite(low) and (at_low > -_CLOSE or high - low < _CLOSE / 8):
             break
         if np.isfinite(low) and np.isfinite(high):
-            part = (-_CLOSE / 2 - at_low) / (at_high - at_low)
-            at = low + (high - low) * float(np.clip(part, 0.05, 0.95))
+            share = (-_CLOSE / 2 - at_low) / (at_high - at_low)
+            at = low + (high - low) * float(np.clip(share, 0.05, 0.95))
         else:
             at = at - (value + np.copysign(_CLOSE, value))
         value = excess(at)
@@ -191,7 +192,7 @@ def _height(
 
 
 def _smallest(measure: Measure, most: tuple[int, int], allowed: float) -> tuple[int, int]:
-    """The smallest P, then the smallest F, within caps, of which the latter leave no more than is allowed."""
+    """The smallest P, then the smallest F, that leave no more than is allowed, or than the caps `most` do."""
     F_max, P_max = most
     target = max(allowed, FORGIVEN * measure.squared_error(F_max, P_max))
     # the caps themselves where squares underflow
