@@ -12,6 +12,7 @@
 
 namespace {
 
+using namespace shrm;
 using namespace shrm::angular;
 
 constexpr int n = 1024;  // seven rows of which are 28 KiB
@@ -32,9 +33,9 @@ double least_seconds(const Work& work) {
 
 // Not inlined, so that the compiler may not see that every repeat is the same.
 __attribute__((noinline)) void row(const Cubics<true>& profile, const float* azimuth,
-                                   const float* const light[3], float ring, float span, Lanes out[3]) {
+                                   const float* const light[3], float ring, float span, Floats out[3]) {
     const Cubics<true> u = profile;
-    Lanes sum[3] = {};
+    Floats sum[3] = {};
     sum_turned(u, azimuth, 1, light, turned, splat(ring), splat(span), sum);
     std::copy_n(sum, 3, out);
 }
@@ -42,18 +43,18 @@ __attribute__((noinline)) void row(const Cubics<true>& profile, const float* azi
 template <class Source>
 __attribute__((noinline)) void half_angle_row(const Cubics<true>& profile, const Source& half_vectors,
                                               const float* const light[3], const HalfAngleRow& row,
-                                              Lanes out[3]) {
+                                              Floats out[3]) {
     const Cubics<true> u = profile;
-    Lanes sum[3] = {};
+    Floats sum[3] = {};
     sum_weighted([&](int j) { return half_angle<false>(u, half_vectors, nullptr, j, row); }, light, n, sum);
     std::copy_n(sum, 3, out);
 }
 
-__attribute__((noinline)) void multiply_adds(Lanes x[12], const Lanes& a) {
-    Lanes y[12];
+__attribute__((noinline)) void multiply_adds(Floats x[12], const Floats& a) {
+    Floats y[12];
     std::copy_n(x, 12, y);
     for (int k = 0; k < n; ++k)
-        for (Lanes& one : y) one = one * a + a;
+        for (Floats& one : y) one = one * a + a;
     std::copy_n(y, 12, x);
 }
 
@@ -62,20 +63,20 @@ __attribute__((noinline)) void multiply_adds(Lanes x[12], const Lanes& a) {
 int main() {
     std::vector<float> values(4 * held_segments, 0.25f), rows(7 * n);
     for (int k = 0; k < 7 * n; ++k) rows[static_cast<std::size_t>(k)] = static_cast<float>(k % n) / n;
-    const Cubics<true> profile({values, 1, held_segments, 21, 1.0, shrm::pi}, 0);
+    const Cubics<true> profile({values, 1, held_segments, 21, 1.0, pi}, 0);
     const float* light[3] = {rows.data() + n, rows.data() + 2 * n, rows.data() + 3 * n};
-    Lanes sum[3] = {}, x[12] = {}, all = {};
+    Floats sum[3] = {}, x[12] = {}, all = {};
     const double loop = least_seconds([&] {
         for (int k = 0; k < repeats; ++k) {
             row(profile, rows.data(), light, 1.0f, 200.0f, sum);
-            for (const Lanes& part : sum) all += part;
+            for (const Floats& part : sum) all += part;
         }
     });
     const auto half_angle_seconds = [&](const auto& half_vectors) {
         return least_seconds([&] {
             for (int k = 0; k < repeats; ++k) {
                 half_angle_row(profile, half_vectors, light, {{0.5f, 0.5f, 0.5f}, 1.0f, 0.5f}, sum);
-                for (const Lanes& part : sum) all += part;
+                for (const Floats& part : sum) all += part;
             }
         });
     };
@@ -86,11 +87,11 @@ int main() {
     const double fma = least_seconds([&] {
         for (int k = 0; k < repeats; ++k) multiply_adds(x, all * 1e-20f);
     });
-    for (const Lanes& part : x) all += part;
+    for (const Floats& part : x) all += part;
     volatile float kept = all[0];
     static_cast<void>(kept);
     const double samples = repeats * static_cast<double>(n);
-    std::printf("%.4g %.4g %.4g %.4g\n", repeats * static_cast<double>(turned * width) / loop,
-                samples / computed, samples / tabulated, 2 * samples * 12 * width / fma);
+    std::printf("%.4g %.4g %.4g %.4g\n", repeats * static_cast<double>(turned * lanes) / loop,
+                samples / computed, samples / tabulated, 2 * samples * 12 * lanes / fma);
     return 0;
 }

@@ -10,7 +10,7 @@ namespace {
 
 angular::Picture picture_of(const Array<float>& planes, int subsamples) {
     require_shape(planes, "planes", {3, any, any});
-    const int H = extent(planes, 1), W = (extent(planes, 2) - angular::lanes) / 2;
+    const int H = extent(planes, 1), W = (extent(planes, 2) - angular::most_lanes) / 2;
     require_at_least("H", H, 1);
     require_at_least("W", W, 1);
     require_shape(planes, "planes", {3, H, angular::row_length(W)});
@@ -80,7 +80,7 @@ Array<float> isotropic(const Array<float>& planes, int subsamples, const Array<f
 
 void bind_angular(py::module_& module) {
     using namespace py::literals;
-    module.attr("ANGULAR_LANES") = angular::lanes;
+    module.attr("ANGULAR_LANES") = angular::most_lanes;
     module.def("angular_radial", radial, py::kw_only(), "planes"_a.noconvert(), "subsamples"_a,
                "profile"_a.noconvert(), "shift"_a, "scale"_a, "support"_a, "outer"_a,
                "centers"_a.noconvert());

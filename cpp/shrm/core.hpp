@@ -51,7 +51,9 @@
 // ROOMS, in the order the data flows: what stands in one includes only rooms above it
 //   quadrature    Gauss-Legendre nodes and weights
 //   simd/         the instruction set: vectors of it, for .cpp files only
-//     vectors          vectors of floats
+//     vectors          vectors of floats, and functions of their lanes
+//     shuffles         lanes that change places
+//     packs            eight numbers at a time, whatever the instruction set
 //     half             maps as half floats
 //     stream           stores of what is larger than the caches
 //     trigonometry     functions of eight angles at once, in float64
@@ -82,7 +84,7 @@
 //     explicit_maps    the dynamic maps of many views at once
 //   angular/      direct integration over lobes; shares nothing with sh/ and reflection/, which it judges
 //     angular          what it integrates and how
-//     lanes            sums in the lanes of vectors
+//     sums             sums in the lanes of vectors
 //     profile          a radial profile in lanes, and the innermost loops
 //     texels           the nodes of a picture's texels, and which of them a lobe visits
 //     caps             what a lobe that is cut at the horizon visits

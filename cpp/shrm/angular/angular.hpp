@@ -27,9 +27,9 @@ namespace shrm::angular {
 
 // Radiance times the texel's solid angle in planes [channel][H][row_length(W)]. Column j of a row holds
 // texel j mod W, so that any arc of columns is one contiguous run, readable in whole groups of lanes.
-inline constexpr int lanes = 16;
+inline constexpr int most_lanes = 16;
 constexpr int row_length(int W) {
-    return 2 * W + lanes;
+    return 2 * W + most_lanes;
 }
 
 struct Picture {

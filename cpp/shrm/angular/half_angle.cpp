@@ -6,9 +6,9 @@
 
 #include "shrm/angular/angular.hpp"
 #include "shrm/angular/caps.hpp"
-#include "shrm/angular/lanes.hpp"
 #include "shrm/angular/profile.hpp"
 #include "shrm/angular/queries.hpp"
+#include "shrm/angular/sums.hpp"
 #include "shrm/angular/texels.hpp"
 
 namespace shrm::angular {
@@ -30,7 +30,7 @@ struct Visited {
     bool cut;  // by the horizon; else the height is not needed
     bool tabulated;
     std::vector<float> height;
-    Lanes single[3];
+    Floats single[3];
     int terms;
     Sum sum;
 
@@ -49,7 +49,7 @@ struct Visited {
             for (std::size_t j = 0; j < height.size(); ++j)
                 height[j] = m.x * columns.cos_phi[j] + m.y * columns.sin_phi[j];
         }
-        for (Lanes& part : single) part = Lanes{};
+        for (Floats& part : single) part = Floats{};
         terms = 0;
         sum = Sum();
     }
@@ -113,9 +113,9 @@ void tabulate_half_vectors(Setting& setting) {
         for (int b = 0; b < setting.nodes.k; ++b) {
             const ComputedHalfVectors half_vectors = setting.computed(setting.shared.view, row, b, 0);
             float* out = setting.shared.half.data() + 3 * size(row * setting.nodes.k + b) * size(length);
-            for (int j = 0; j < length; j += width) {
+            for (int j = 0; j < length; j += lanes) {
                 const int from =
-                    std::min(j, length - width);  // the last group may begin within the one before
+                    std::min(j, length - lanes);  // the last group may begin within the one before
                 const HalfVectors h = half_vectors.at(from);
                 store(out + from, h.x);
                 store(out + length + from, h.y);
@@ -154,7 +154,7 @@ SHRM_INLINE void sum_row(const Setting& setting, const Profile& u, const Source&
     else
         sum_weighted([&](int j) { return half_angle<false>(u, half_vectors, height, j, row); }, light, n,
                      query.single);
-    query.terms += n / width + 1;
+    query.terms += n / lanes + 1;
     if (query.terms > terms_in_single) {
         query.sum.add(query.single);
         query.terms = 0;
@@ -180,9 +180,9 @@ void sum_rows(const Setting& setting, const Profile& u, int i, std::span<Visited
 template <class Profile, class Source>
 SHRM_INLINE void weigh(const Profile& u, const Source& half_vectors, const Visited& query,
                        const float* height, const HalfAngleRow& row, float share, int n, float* weight) {
-    for (int j = 0; j < n; j += width) {
-        const Lanes u_j = query.cut ? half_angle<true>(u, half_vectors, height, j, row)
-                                    : half_angle<false>(u, half_vectors, height, j, row);
+    for (int j = 0; j < n; j += lanes) {
+        const Floats u_j = query.cut ? half_angle<true>(u, half_vectors, height, j, row)
+                                     : half_angle<false>(u, half_vectors, height, j, row);
         store(weight + j, load(weight + j) + share * u_j);
     }
 }
@@ -194,7 +194,7 @@ void sum_nodes(const Setting& setting, const Profile& u, int i, Visited& query, 
     const Arcs arcs = query.reach.columns(nodes, i);
     if (arcs.count == 0) return;
     const int begin = arcs.arc[0].begin, n = arcs.arc[0].end - begin;
-    weight.assign(size(round_up(n, width)), 0.0f);
+    weight.assign(size(round_up(n, lanes)), 0.0f);
     for (int node = i * nodes.k; node < (i + 1) * nodes.k; ++node)
         for (int b = 0; b < nodes.k; ++b) {
             const std::size_t row = size(node);

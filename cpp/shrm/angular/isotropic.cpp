@@ -4,8 +4,8 @@
 
 #include "shrm/angular/angular.hpp"
 #include "shrm/angular/caps.hpp"
-#include "shrm/angular/lanes.hpp"
 #include "shrm/angular/queries.hpp"
+#include "shrm/angular/sums.hpp"
 #include "shrm/angular/texels.hpp"
 
 namespace shrm::angular {
@@ -82,7 +82,7 @@ void isotropic_query(const Nodes& nodes, const Planes& planes, const IsotropicTa
     along_columns(nodes, x_axis.x, x_axis.y, 0, s.x);
     along_columns(nodes, y_axis.x, y_axis.y, 0, s.y);
     along_columns(nodes, n.x, n.y, 0, s.z);
-    const std::size_t stride = size(round_up(nodes.W, lanes));
+    const std::size_t stride = size(round_up(nodes.W, most_lanes));
     s.weight.resize(3 * stride);
     for (auto* column : {&s.t_light, &s.t_azimuth, &s.scale}) column->resize(stride);
     s.cell.resize(stride);

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 
 #include "shrm/angular/angular.hpp"
-#include "shrm/angular/lanes.hpp"
+#include "shrm/angular/sums.hpp"
 
 namespace shrm::angular {
 
@@ -20,9 +20,9 @@ struct Cubics {
 #else
     static constexpr bool permutes = false;
 #endif
-    static constexpr int groups = permutes ? held_segments / width : 1;
+    static constexpr int groups = permutes ? held_segments / lanes : 1;
 
-    Lanes group[4][groups];
+    Floats group[4][groups];
     const float* table;
     int segments, shift;
     int last;  // bits of the last segment of z
@@ -35,41 +35,39 @@ struct Cubics {
         if constexpr (permutes)
             for (int power = 0; power < 4; ++power)
                 for (int g = 0; g < groups; ++g)
-                    group[power][g] = load(table + power * held_segments + g * width);
+                    group[power][g] = load(table + power * held_segments + g * lanes);
     }
 
-    SHRM_INLINE Lanes coefficient(int power, const Ints& k) const {
+    SHRM_INLINE Floats coefficient(int power, const Ints& k) const {
         if constexpr (permutes && groups == 2) return __builtin_shuffle(group[power][0], group[power][1], k);
         if constexpr (permutes && groups == 4) {
-            const Lanes low = __builtin_shuffle(group[power][0], group[power][1], k);
-            const Lanes high = __builtin_shuffle(group[power][2], group[power][3], k);
+            const Floats low = __builtin_shuffle(group[power][0], group[power][1], k);
+            const Floats high = __builtin_shuffle(group[power][2], group[power][3], k);
             return (k & 16) != 0 ? high : low;
         }
-        Lanes c = {};
-        for (int lane = 0; lane < width; ++lane)
+        Floats c = {};
+        for (int lane = 0; lane < lanes; ++lane)
             c[lane] = table[power * segments + (k[lane] & (segments - 1))];
         return c;
     }
 
-    SHRM_INLINE Lanes cubic(const Lanes& z, const Ints& k) const {
-        const Lanes x = held ? z : within_segment(z);
+    SHRM_INLINE Floats cubic(const Floats& z, const Ints& k) const {
+        const Floats x = held ? z : within_segment(z);
         return ((coefficient(3, k) * x + coefficient(2, k)) * x + coefficient(1, k)) * x + coefficient(0, k);
     }
 
     // The bits of z that do not tell the segment, as the mantissa of a number in [1, 2).
-    SHRM_INLINE Lanes within_segment(const Lanes& z) const {
-        const Ints bits = reinterpret_cast<Ints>(z) << (23 - shift);
-        return reinterpret_cast<Lanes>((bits & 0x7fffff) | 0x3f800000);
+    SHRM_INLINE Floats within_segment(const Floats& z) const {
+        const Ints bits = Ints(z) << (23 - shift);
+        return Floats((bits & 0x7fffff) | 0x3f800000);
     }
 
     // u at z = 1 + scale sin^2(theta/2), within the support.
-    SHRM_INLINE Lanes operator()(const Lanes& z) const {
-        return cubic(z, reinterpret_cast<Ints>(z) >> shift);
-    }
+    SHRM_INLINE Floats operator()(const Floats& z) const { return cubic(z, Ints(z) >> shift); }
 
     // The same anywhere: the last segment is 0. Positive floats are in the order of their bits.
-    SHRM_INLINE Lanes anywhere(const Lanes& z) const {
-        const Ints bits = reinterpret_cast<Ints>(z);
+    SHRM_INLINE Floats anywhere(const Floats& z) const {
+        const Ints bits = Ints(z);
         return cubic(z, (bits < last ? bits : Ints{} + last) >> shift);
     }
 };
@@ -78,7 +76,7 @@ struct Cubics {
 // For each: 1 FMA for z, 1 shift and 4 permutations for the segment, 3 FMA for the cubic, 3 FMA for the sums.
 template <class Profile>
 SHRM_INLINE void sum_arc(const Profile& u, const float* azimuth, const float* const light[3], int n,
-                         float ring, float span, Lanes sum[3]) {
+                         float ring, float span, Floats sum[3]) {
     sum_weighted([&](int j) { return u(ring + span * load(azimuth + j)); }, light, n, sum);
 }
 
@@ -88,10 +86,10 @@ SHRM_INLINE void sum_arc(const Profile& u, const float* azimuth, const float* co
 // one further.
 template <class Profile>
 SHRM_INLINE void sum_turned(const Profile& u, const float* azimuth, int apart, const float* const light[3],
-                            int n, const Lanes& ring, const Lanes& span, Lanes sum[3]) {
-    Lanes s[3] = {sum[0], sum[1], sum[2]};
+                            int n, const Floats& ring, const Floats& span, Floats sum[3]) {
+    Floats s[3] = {sum[0], sum[1], sum[2]};
     for (int j = 0; j < n; ++j) {
-        const Lanes w = u(ring + span * splat(azimuth[j * apart]));
+        const Floats w = u(ring + span * splat(azimuth[j * apart]));
         for (int c = 0; c < 3; ++c) s[c] += w * load(light[c] + j);
     }
     for (int c = 0; c < 3; ++c) sum[c] = s[c];
@@ -100,7 +98,7 @@ SHRM_INLINE void sum_turned(const Profile& u, const float* azimuth, int apart, c
 // g H of lights, g = sqrt(scale) / 2, so that z = 1 + |g H - g N|^2: sin^2(theta_h / 2) = |H - N|^2 / 4 keeps
 // its accuracy for small angles.
 struct HalfVectors {
-    Lanes x, y, z;
+    Floats x, y, z;
 };
 
 // Half vectors of a row of nodes from a table.
@@ -118,10 +116,10 @@ struct ComputedHalfVectors {
     float g;
 
     SHRM_INLINE HalfVectors at(int j) const {
-        const Lanes x = sin_theta * load(cos_phi + j) + view.x, y = sin_theta * load(sin_phi + j) + view.y;
-        const Lanes square = x * x + (y * y + z * z);
+        const Floats x = sin_theta * load(cos_phi + j) + view.x, y = sin_theta * load(sin_phi + j) + view.y;
+        const Floats square = x * x + (y * y + z * z);
         // L = -V, which has no half vector, is below the horizon
-        const Lanes r = g * inverse_root(square > 1e-30f ? square : Lanes{} + 1e-30f);
+        const Floats r = g * inverse_root(square > 1e-30f ? square : Floats{} + 1e-30f);
         return {r * x, r * y, r * z};
     }
 };
@@ -136,13 +134,13 @@ struct HalfAngleRow {
 // looked at. For each 3 differences, 3 FMA for z, 1 minimum, 1 shift and 4 permutations, 3 FMA for the cubic,
 // then 3 FMA for the sums; the horizon takes 1 FMA, 1 comparison.
 template <bool cut, class Profile, class Source>
-SHRM_INLINE Lanes half_angle(const Profile& u, const Source& half_vectors, const float* height, int j,
-                             const HalfAngleRow& row) {
+SHRM_INLINE Floats half_angle(const Profile& u, const Source& half_vectors, const float* height, int j,
+                              const HalfAngleRow& row) {
     const HalfVectors h = half_vectors.at(j);
-    const Lanes dx = h.x - row.n.x, dy = h.y - row.n.y, dz = h.z - row.n.z;
-    const Lanes weight = u.anywhere(dz * dz + (dy * dy + (dx * dx + 1.0f)));
+    const Floats dx = h.x - row.n.x, dy = h.y - row.n.y, dz = h.z - row.n.z;
+    const Floats weight = u.anywhere(dz * dz + (dy * dy + (dx * dx + 1.0f)));
     if constexpr (!cut) return weight;
-    const Lanes above = row.sin_theta * load(height + j) + row.rest;
+    const Floats above = row.sin_theta * load(height + j) + row.rest;
     return only(above > 0.0f, weight);
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "shrm/angular/angular.hpp"
-#include "shrm/angular/lanes.hpp"
+#include "shrm/angular/sums.hpp"
 
 namespace shrm::angular {
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "shrm/angular/angular.hpp"
-#include "shrm/angular/lanes.hpp"
 #include "shrm/angular/profile.hpp"
 #include "shrm/angular/queries.hpp"
+#include "shrm/angular/sums.hpp"
 #include "shrm/angular/texels.hpp"
 
 namespace shrm::angular {
@@ -54,14 +54,14 @@ struct Scratch {
 template <bool held>
 SHRM_INLINE void weigh(const Nodes& nodes, const Cubics<held>& u, const Visited& cap, const Row& row,
                        float* weight) {
-    std::fill_n(weight, round_up(row.count, width), 0.0f);
+    std::fill_n(weight, round_up(row.count, lanes), 0.0f);
     for (int a = 0; a < nodes.k; ++a) {
         const std::size_t node = size(row.i * nodes.k + a);
         for (int b = 0; b < nodes.k; ++b) {
             const float* azimuth = cap.azimuth.data() + b * row_length(nodes.W) + row.begin;
             const float share = static_cast<float>(nodes.row_share[node] * nodes.column_share[size(b)]);
-            for (int j = 0; j < row.count; j += width) {
-                const Lanes z = cap.ring[node] + cap.span[node] * load(azimuth + j);
+            for (int j = 0; j < row.count; j += lanes) {
+                const Floats z = cap.ring[node] + cap.span[node] * load(azimuth + j);
                 store(weight + j, load(weight + j) + share * u.anywhere(z));
             }
         }
@@ -73,14 +73,14 @@ template <bool held>
 void sum_texels(const Planes& planes, const RadialProfile& profile, const Visited& cap, float* out) {
     const Cubics<held> u(profile, 0);
     Sum sum;
-    Lanes single[3] = {};
+    Floats single[3] = {};
     int terms = 0;
     for (const Row& row : cap.rows) {
         const float* first = planes.at(0, row.i, row.begin);
         const float* light[3] = {first, first + planes.stride, first + 2 * planes.stride};
         sum_arc(u, cap.azimuth.data() + row.begin, light, row.count, cap.ring[size(row.i)],
                 cap.span[size(row.i)], single);
-        terms += row.count / width + 1;
+        terms += row.count / lanes + 1;
         if (terms > terms_in_single) {
             sum.add(single);
             terms = 0;
@@ -94,7 +94,7 @@ void sum_texels(const Planes& planes, const RadialProfile& profile, const Visite
 template <bool held>
 void sum_weights(const Nodes& nodes, const Planes& planes, const RadialProfile& profile, Scratch& s,
                  float* out) {
-    const int stride = round_up(nodes.W, lanes);
+    const int stride = round_up(nodes.W, most_lanes);
     s.weight.resize(size(3 * stride));
     const float* w[3];
     for (int c = 0; c < 3; ++c) w[c] = s.weight.data() + (c < profile.channels ? c : 0) * stride;
@@ -167,12 +167,12 @@ void every_pair(const Nodes& nodes, const Sorted& light, const RadialProfile& pr
     const int apart = light.columns_apart;
     const Cubics<held> u(profile, 0);
     cap.find(nodes, profile, outer, map.center(i, first));
-    for (int t = 0; t < light.period; t += width) {
+    for (int t = 0; t < light.period; t += lanes) {
         Sum sum;
-        Lanes single[3] = {};
+        Floats single[3] = {};
         int terms = 0;
         for (const Row& row : cap.rows) {
-            const Lanes ring = splat(cap.ring[size(row.i)]), span = splat(cap.span[size(row.i)]);
+            const Floats ring = splat(cap.ring[size(row.i)]), span = splat(cap.span[size(row.i)]);
             const int moved = row.begin + t * apart, column = moved < nodes.W ? moved : moved - nodes.W;
             for (int j = 0; j < std::min(apart, row.count); ++j) {
                 const float* at[3];
@@ -187,7 +187,7 @@ void every_pair(const Nodes& nodes, const Sorted& light, const RadialProfile& pr
             }
         }
         sum.add(single);
-        for (int x = 0; x < width && t + x < light.period; ++x)
+        for (int x = 0; x < lanes && t + x < light.period; ++x)
             for (int c = 0; c < 3; ++c)
                 out[(i * map.W + first + (t + x) * step) * 3 + c] = static_cast<float>(sum.total[c][x]);
     }
@@ -209,7 +209,7 @@ template <bool held>
 void find_kernels(const Nodes& nodes, const RadialProfile& profile, SlideScratch& s) {
     s.rows.clear();
     s.kernel.clear();
-    s.weight.resize(size(round_up(nodes.W, lanes)));
+    s.weight.resize(size(round_up(nodes.W, most_lanes)));
     const Row* own[map_rows] = {};
     const Row* end[map_rows] = {};
     for (int r = 0; r < map_rows; ++r) {
@@ -238,7 +238,7 @@ void find_kernels(const Nodes& nodes, const RadialProfile& profile, SlideScratch
     }
 }
 
-typedef Lanes Block[map_rows][map_groups][3];
+typedef Floats Block[map_rows][map_groups][3];
 
 template <int channels>
 SHRM_INLINE void slide_row(const Sorted& light, const Row& row, int column, const float* kernel, Block& sum) {
@@ -249,8 +249,8 @@ SHRM_INLINE void slide_row(const Sorted& light, const Row& row, int column, cons
         int x = 0;
         for (int j = first; j < row.count; j += apart, ++x)
             for (int c = 0; c < 3; ++c) {
-                Lanes l[map_groups];
-                for (int g = 0; g < map_groups; ++g) l[g] = load_once(at[c] + x + g * width);
+                Floats l[map_groups];
+                for (int g = 0; g < map_groups; ++g) l[g] = load_once(at[c] + x + g * lanes);
                 for (int r = 0; r < map_rows; ++r) {
                     const float w = kernel[(r * channels + (channels == 3 ? c : 0)) * row.count + j];
                     for (int g = 0; g < map_groups; ++g) sum[r][g][c] += w * l[g];
@@ -262,7 +262,7 @@ SHRM_INLINE void slide_row(const Sorted& light, const Row& row, int column, cons
 // map_groups groups of columns, the first of them turned by `turn` columns of the picture.
 template <int channels>
 void slide_block(const Sorted& light, const SlideScratch& s, int W, int turn,
-                 double total[map_rows][map_groups][3][width]) {
+                 double total[map_rows][map_groups][3][lanes]) {
     const float* kernel = s.kernel.data();
     for (std::size_t k = 0; k < s.rows.size();) {
         Block sum = {};
@@ -276,9 +276,9 @@ void slide_block(const Sorted& light, const SlideScratch& s, int W, int turn,
         for (int r = 0; r < map_rows; ++r)
             for (int g = 0; g < map_groups; ++g)
                 for (int c = 0; c < 3; ++c) {
-                    float part[width];
+                    float part[lanes];
                     store(part, sum[r][g][c]);
-                    for (int lane = 0; lane < width; ++lane)
+                    for (int lane = 0; lane < lanes; ++lane)
                         total[r][g][c][lane] += static_cast<double>(part[lane]);
                 }
     }
@@ -295,15 +295,15 @@ void slide(const Nodes& nodes, const Sorted& light, const RadialProfile& profile
         else
             s.cap[r].rows.clear();
     find_kernels<held>(nodes, profile, s);
-    for (int t = 0; t < light.period; t += map_groups * width) {
-        double total[map_rows][map_groups][3][width] = {};
+    for (int t = 0; t < light.period; t += map_groups * lanes) {
+        double total[map_rows][map_groups][3][lanes] = {};
         const auto sum = profile.channels == 3 ? slide_block<3> : slide_block<1>;
         sum(light, s, nodes.W, t * light.columns_apart, total);
         for (int r = 0; r < rows; ++r)
-            for (int x = 0; x < map_groups * width && t + x < light.period; ++x)
+            for (int x = 0; x < map_groups * lanes && t + x < light.period; ++x)
                 for (int c = 0; c < 3; ++c)
                     out[((top + r) * map.W + first + (t + x) * step) * 3 + c] =
-                        static_cast<float>(total[r][x / width][c][x % width]);
+                        static_cast<float>(total[r][x / lanes][c][x % lanes]);
     }
 }
 
@@ -324,15 +324,15 @@ void whole_map(const Picture& picture, const RadialProfile& profile, double oute
     // Columns of the map that are a whole number of the picture's columns apart visit the same texels,
     // turned.
     const int shared = std::gcd(map.W, picture.W), step = map.W / shared, apart = picture.W / shared;
-    if (shared >= width && symmetry) {
-        const Sorted light(picture, apart, map_groups * width);
+    if (shared >= lanes && symmetry) {
+        const Sorted light(picture, apart, map_groups * lanes);
         const int blocks = (map.H + map_rows - 1) / map_rows;
         for_each_query<SlideScratch>(size(blocks * step), [&](std::size_t task, SlideScratch& s) {
             const int top = static_cast<int>(task) / step * map_rows, first = static_cast<int>(task) % step;
             slide<held>(nodes, light, profile, outer, map, top, first, step, s, out.data());
         });
-    } else if (shared >= width && one_weight(nodes, profile)) {
-        const Sorted light(picture, apart, width);
+    } else if (shared >= lanes && one_weight(nodes, profile)) {
+        const Sorted light(picture, apart, lanes);
         for_each_query<Visited>(size(map.H * step), [&](std::size_t task, Visited& cap) {
             const int i = static_cast<int>(task) / step, first = static_cast<int>(task) % step;
             every_pair<held>(nodes, light, profile, outer, map, i, first, step, cap, out.data());

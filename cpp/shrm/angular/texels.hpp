@@ -10,7 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "shrm/angular/angular.hpp"
-#include "shrm/angular/lanes.hpp"
+#include "shrm/angular/sums.hpp"
 #include "shrm/quadrature.hpp"
 
 namespace shrm::angular {

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "shrm/angular/angular.hpp"
-#include "shrm/angular/lanes.hpp"
 #include "shrm/angular/queries.hpp"
+#include "shrm/angular/sums.hpp"
 #include "shrm/angular/texels.hpp"
 
 namespace shrm::angular {
@@ -34,7 +34,7 @@ void zonal_query(const Nodes& nodes, const Planes& planes, const ZonalProfiles& 
     along_columns(nodes, -0.5 * std::cos(center.phi), -0.5 * std::sin(center.phi), 0.5, s.azimuth);
     for (float& a : s.azimuth) a = a > 0 ? a : 0;
     s.reach.find(nodes, center, band);
-    const std::size_t stride = size(round_up(nodes.W, lanes));
+    const std::size_t stride = size(round_up(nodes.W, most_lanes));
     s.weight.resize(3 * stride);
     const float* w[3];
     for (int c = 0; c < 3; ++c) w[c] = s.weight.data() + (c < profiles.channels ? size(c) : 0) * stride;

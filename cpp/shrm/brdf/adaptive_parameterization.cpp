@@ -4,7 +4,7 @@
 
 #include "shrm/brdf/direction_lanes.hpp"
 #include "shrm/core.hpp"
-#include "shrm/simd/vectors.hpp"
+#include "shrm/simd/trigonometry.hpp"
 
 namespace shrm {
 namespace {
@@ -39,17 +39,12 @@ struct AdaptiveParameterization::Sample {
 struct AdaptiveParameterization::Eight {
     d8 theta_i, u, v;
     Eight(const DirectionPairs& pairs, std::size_t first) {
-        d8vec3 i, o;
-        load(pairs.wo, pairs.count, first, i);
-        load(pairs.wi, pairs.count, first, o);
+        const d8vec3 i = load(pairs.wo, pairs.count, first), o = load(pairs.wi, pairs.count, first);
         const d8vec3 h{i.x + o.x, i.y + o.y, i.z + o.z};
-        d8 horizontal, theta_m, phi;
-        length(i.x, i.y, horizontal);
-        arc_tangent(horizontal, i.z, theta_i);
-        length(h.x, h.y, horizontal);
-        arc_tangent(horizontal, h.z, theta_m);
-        arc_tangent(i.x * h.y - i.y * h.x, i.x * h.x + i.y * h.y, phi);  // phi_m - phi_i
-        square_root(theta_m * (2 / pi), u);
+        const d8 theta_m = arc_tangent(length(h.x, h.y), h.z);
+        const d8 phi = arc_tangent(i.x * h.y - i.y * h.x, i.x * h.x + i.y * h.y);  // phi_m - phi_i
+        theta_i = arc_tangent(length(i.x, i.y), i.z);
+        u = square_root(theta_m * (2 / pi));
         v = (phi + pi) * (0.5 / pi);
     }
 };

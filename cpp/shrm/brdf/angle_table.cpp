@@ -2,43 +2,36 @@
 
 #include "shrm/brdf/direction_lanes.hpp"
 #include "shrm/core.hpp"
-#include "shrm/simd/vectors.hpp"
+#include "shrm/simd/trigonometry.hpp"
 
 namespace shrm {
 namespace {
 
 void difference_angles(const d8vec3& wi, const d8vec3& wo, d8 (&angles)[3]) {
-    d8 sine;
-    length(wi.x, wi.y, sine);
-    arc_tangent(sine, wi.z, angles[0]);
-    length(wo.x, wo.y, sine);
-    arc_tangent(sine, wo.z, angles[1]);
+    angles[0] = arc_tangent(length(wi.x, wi.y), wi.z);
+    angles[1] = arc_tangent(length(wo.x, wo.y), wo.z);
     const d8 across = wi.x * wo.y - wi.y * wo.x, along = wi.x * wo.x + wi.y * wo.y;
-    arc_tangent(across < 0 ? -across : across, along, angles[2]);
+    angles[2] = arc_tangent(across < 0 ? -across : across, along);
 }
 
 void half_angles(const d8vec3& wi, const d8vec3& wo, d8 (&angles)[3]) {
     const d8vec3 h{wi.x + wo.x, wi.y + wo.y, wi.z + wo.z}, d{wi.x - wo.x, wi.y - wo.y, wi.z - wo.z};
-    d8 across, length_h, length_d, horizontal;
-    length(h.x, h.y, across);
-    square_root(across * across + h.z * h.z, length_h);
-    square_root(d.x * d.x + d.y * d.y + d.z * d.z, length_d);
-    arc_tangent(across, h.z, angles[0]);
-    arc_tangent(length_d, length_h, angles[1]);  // |L - V| / |L + V| = tan(theta_d)
+    const d8 across = length(h.x, h.y), length_h = length(across, h.z), length_d = square_root(dot(d, d));
+    angles[0] = arc_tangent(across, h.z);
+    angles[1] = arc_tangent(length_d, length_h);  // |L - V| / |L + V| = tan(theta_d)
     // The azimuth of H; that of L where H is the normal, which makes phi_d 0 and keeps isotropy exact.
     const auto tilted = across > 1e-14;
     d8 x = tilted ? h.x : wi.x, y = tilted ? h.y : wi.y;
-    length(x, y, horizontal);
-    horizontal = horizontal > 0 ? horizontal : 1 + d8{};
-    x /= horizontal;
-    y /= horizontal;
+    const d8 horizontal = length(x, y), divisor = horizontal > 0 ? horizontal : 1 + d8{};
+    x /= divisor;
+    y /= divisor;
     const d8 scale = length_h > 0 ? length_h : 1 + d8{};
     const d8 cos_h = length_h > 0 ? h.z / scale : 1 + d8{}, sin_h = across / scale;
     d8 d_x = (wi.x * x + wi.y * y) * cos_h - wi.z * sin_h, d_y = wi.y * x - wi.x * y;
     const auto apart = length_d > 1e-14;  // where L is V, phi_d is 0 too, not what rounding makes of it
     d_x = apart ? d_x : d8{};
     d_y = apart ? d_y : d8{};
-    arc_tangent(d_y < 0 ? -d_y : d_y, d_x, angles[2]);
+    angles[2] = arc_tangent(d_y < 0 ? -d_y : d_y, d_x);
 }
 
 // Where eight pairs lie among the nodes of the three axes, clamped to [0, n - 1].
@@ -54,9 +47,7 @@ class Positions {
     }
 
     void operator()(const DirectionPairs& pairs, std::size_t first, d8 (&positions)[3]) const {
-        d8vec3 wi, wo;
-        load(pairs.wi, pairs.count, first, wi);
-        load(pairs.wo, pairs.count, first, wo);
+        const d8vec3 wi = load(pairs.wi, pairs.count, first), wo = load(pairs.wo, pairs.count, first);
         if (axes_.angles == Angles::half)
             half_angles(wi, wo, positions);
         else
@@ -64,7 +55,7 @@ class Positions {
         constexpr double ends[3] = {pi / 2, pi / 2, pi};
         for (int axis = 0; axis < 3; ++axis) {
             d8 part = positions[axis] * (1 / ends[axis]);
-            if (axis == 0 && axes_.square_root) square_root(part, part);
+            if (axis == 0 && axes_.square_root) part = square_root(part);
             const d8 position = part * scale_[axis] + shift_[axis], zero{}, last = zero + last_[axis];
             positions[axis] = position > last ? last : position > 0 ? position : zero;
         }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "shrm/core.hpp"
 #include "shrm/sh/legendre.hpp"
@@ -11,31 +10,16 @@
 namespace shrm {
 namespace {
 
-constexpr int lanes = 8;
+constexpr int at_once = 8;  // colatitudes
 
-double sum_of_lanes(const d8& v) {
+double sum_of_lanes(d8 v) {
     return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
-}
-
-// Eight neighbours of a row of n, from `first`; zeros beyond its end.
-void load(const double* row, int first, int n, d8& values) {
-    if (first + lanes <= n) {
-        std::memcpy(&values, row + first, sizeof values);
-    } else {
-        values = d8{};
-        std::copy(row + std::min(first, n), row + n, reinterpret_cast<double*>(&values));
-    }
-}
-
-void store(const d8& values, double* row, int first, int n) {
-    const auto* from = reinterpret_cast<const double*>(&values);
-    std::copy(from, from + std::min(lanes, n - first), row + first);
 }
 
 // What one view takes, a colatitude to a lane; the last lanes are zero.
 struct Workspace {
     Workspace(const TransferTable& t, int L, int Q)
-        : groups(round_up(t.I, unrolled * lanes) / lanes),
+        : groups(round_up(t.I, unrolled * at_once) / at_once),
           K(round_up(t.K, unrolled)),
           rho_q(size(Q + 1) * size(groups) * size(t.channels)),
           rho_hat(size(K) * size(t.channels)),
@@ -56,21 +40,19 @@ struct Workspace {
 
 // One group of colatitudes of one view into the workspace; adds its part of the energy per channel.
 void gather(const TransferTable& t, int v, int group, Workspace& w, double* energy) {
-    const int first = group * lanes;
+    const int first = group * at_once;
     const std::size_t channels = size(t.channels), I = size(t.I);
-    d8 arc, ring;
-    load(&t.arc[size(v) * I], first, t.I, arc);
-    load(&t.weight_theta[size(v) * I], first, t.I, ring);
-    ring *= 2 * arc;
+    const d8 arc = load_first(&t.arc[size(v) * I] + first, t.I - first);
+    const d8 ring = load_first(&t.weight_theta[size(v) * I] + first, t.I - first) * (2 * arc);
     for (std::size_t c = 0; c < channels; ++c) {
         d8 sum{};
         for (int k = 0; k < t.K; ++k) {
             const double* row = &t.rho_hat[(size(v) * size(t.K) + size(k)) * I * channels];
             d8 value{};
             if (channels == 1)
-                load(row, first, t.I, value);
+                value = load_first(row + first, t.I - first);
             else
-                for (int i = 0; i < lanes && first + i < t.I; ++i)
+                for (int i = 0; i < at_once && first + i < t.I; ++i)
                     value[i] = row[size(first + i) * channels + c];
             w.rho_hat[size(k) * channels + c] = t.weight_share[size(k)] * value;
             sum += w.rho_hat[size(k) * channels + c] * value;
@@ -110,8 +92,8 @@ void azimuthal_step(const TransferTable& t, int v, int Q, Workspace& w, double* 
                 }
             }
         }
-        d8 arc;
-        load(&t.arc[size(v) * size(t.I)], group * lanes, t.I, arc);
+        const int first = group * at_once;
+        const d8 arc = load_first(&t.arc[size(v) * size(t.I)] + first, t.I - first);
         for (int q = 0; q <= Q; ++q)
             for (std::size_t c = 0; c < channels; ++c)
                 w.rho_q[(size(q) * size(w.groups) + size(group)) * channels + c] =
@@ -162,10 +144,9 @@ void project_view(const TransferTable& t, int v, int L, int Q, const LegendreRec
     const std::size_t row = size(v) * size(t.I);
     for (int group = 0; group < w.groups; ++group) {
         const std::size_t at = size(group);
-        d8 theta;
-        load(&t.theta_i[row], group * lanes, t.I, theta);
-        cosine_and_sine(theta, w.x[at], w.sine[at]);
-        load(&t.weight_theta[row], group * lanes, t.I, w.weight[at]);
+        const int first = group * at_once;
+        cosine_and_sine(load_first(&t.theta_i[row] + first, t.I - first), w.x[at], w.sine[at]);
+        w.weight[at] = load_first(&t.weight_theta[row] + first, t.I - first);
     }
     for (int q = 0; q <= std::min(Q, L); ++q) polar_step(t, v, q, L, Q, recurrence, w, g);
 }
@@ -196,18 +177,18 @@ void directions(const LightNodes& nodes, std::span<const double> theta_v, std::s
     for (std::size_t v = 0; v < views; ++v) {
         const double c = std::cos(gamma[v]), s = std::sin(gamma[v]);
         const double *theta = &nodes.theta_i[v * size(I)], *arc = &nodes.arc[v * size(I)];
-        for (int first = 0; first < I; first += lanes) {
-            d8 angle, arcs, z, rho;  // L = (rho cos(phi), rho sin(phi), z) in the frame of C
-            load(theta, first, I, angle);
-            load(arc, first, I, arcs);
-            cosine_and_sine(angle, z, rho);
+        for (int first = 0; first < I; first += at_once) {
+            const int count = I - first;
+            const d8 arcs = load_first(arc + first, count);
+            d8 z, rho;  // L = (rho cos(phi), rho sin(phi), z) in the frame of C
+            cosine_and_sine(load_first(theta + first, count), z, rho);
             for (int k = 0; k < K; ++k) {
                 d8 x, y;
                 cosine_and_sine(nodes.share[size(k)] * arcs, x, y);
-                double* row = &wi[(v * size(K) + size(k)) * size(I)];
-                store(c * (rho * x) - s * z, row, first, I);
-                store(rho * y, row + n, first, I);
-                store(s * (rho * x) + c * z, row + 2 * n, first, I);
+                double* to = &wi[(v * size(K) + size(k)) * size(I)] + first;
+                store_first(to, c * (rho * x) - s * z, count);
+                store_first(to + n, rho * y, count);
+                store_first(to + 2 * n, s * (rho * x) + c * z, count);
             }
         }
         const std::size_t of_view = size(K) * size(I);

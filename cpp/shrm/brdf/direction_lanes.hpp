@@ -1,22 +1,18 @@
-// Pairs of directions eight at a time. For .cpp files only: what bindings include must be the same for every
-// instruction set.
+// Pairs of directions eight at a time. For .cpp files only, as vectors.hpp.
 #pragma once
 
 #include <algorithm>
 
 #include "shrm/brdf/direction_pairs.hpp"
-#include "shrm/simd/trigonometry.hpp"
+#include "shrm/simd/packs.hpp"
 
 namespace shrm {
 
 inline constexpr std::size_t pair_lanes = 8;
 
-struct d8vec3 {
-    d8 x, y, z;
-};
-
 // Vectors first to first + 7; those past the end repeat the last.
-inline void load(const StridedVectors& vectors, std::size_t count, std::size_t first, d8vec3& w) {
+SHRM_INLINE d8vec3 load(const StridedVectors& vectors, std::size_t count, std::size_t first) {
+    d8vec3 w;
     for (std::size_t lane = 0; lane < pair_lanes; ++lane) {
         const double* from =
             vectors.first + static_cast<std::ptrdiff_t>(std::min(first + lane, count - 1)) * vectors.row;
@@ -25,10 +21,7 @@ inline void load(const StridedVectors& vectors, std::size_t count, std::size_t f
         w.y[i] = from[vectors.component];
         w.z[i] = from[2 * vectors.component];
     }
-}
-
-inline void length(const d8& x, const d8& y, d8& result) {
-    square_root(x * x + y * y, result);
+    return w;
 }
 
 // Calls body(first, lanes) for every eight pairs, the last of them perhaps fewer.

@@ -17,7 +17,7 @@
 namespace shrm::hierarchical {
 
 // Targets that descend together, and best lie close together: as many as the widest vectors have lanes.
-inline constexpr int block = angular::lanes;
+inline constexpr int block = angular::most_lanes;
 
 // How far to descend. A node is split while its children's kernels, weighted by their brightness, differ from
 // its own by more than `threshold` times the mean over all targets: the `integral` of the lobe by the

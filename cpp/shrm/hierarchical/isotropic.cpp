@@ -30,43 +30,46 @@ struct IsotropicKernel {
     Numbers along_view = {};
 
     struct Value {
-        Lanes u[groups][channels];
-        Lanes height[groups];  // N.L
-        Lanes s2[groups];      // half the chord from the lobe's center, squared
+        Floats u[groups][channels];
+        Floats height[groups];  // N.L
+        Floats s2[groups];      // half the chord from the lobe's center, squared
     };
     SHRM_INLINE Value at(const Pyramid::Node& node) const {
         Value value;
         for (int k = 0; k < groups; ++k) {
             value.s2[k] = 0.25f * center.chord2(k, node);
-            const Lanes height = normal.along(k, node);
+            const Floats height = normal.along(k, node);
             value.height[k] = height;
             of_group(k, x.along(k, node), y.along(k, node), height, value.u[k]);
         }
         return value;
     }
     // For lights at (lx, ly, height) in the frames of a group.
-    SHRM_INLINE void of_group(int k, const Lanes& lx, const Lanes& ly, const Lanes& height,
-                              Lanes (&u)[channels]) const {
+    SHRM_INLINE void of_group(int k, const Floats& lx, const Floats& ly, const Floats& height,
+                              Floats (&u)[channels]) const {
         using namespace angular;
-        const Lanes zero = {}, one = zero + 1.0f, tiny = zero + 1e-30f;
-        const Lanes z = height > zero ? (height < one ? height : one) : zero;
-        const Lanes hx = lx + view_x[k], hz = z + view_z[k], across = hx * hx + ly * ly;
-        const Lanes tangent = root(across) / (hz + root(across + hz * hz) + tiny);  // of theta_h / 2
-        const Lanes place = envelope_intervals * (tangent < one ? tangent : one);
-        const Ints at = whole(place);
+        const Floats zero = {}, one = zero + 1.0f, tiny = zero + 1e-30f;
+        const Floats z = height > zero ? (height < one ? height : one) : zero;
+        const Floats hx = lx + view_x[k], hz = z + view_z[k], across = hx * hx + ly * ly;
+        const Floats tangent = root(across) / (hz + root(across + hz * hz) + tiny);  // of theta_h / 2
+        const Floats place = envelope_intervals * (tangent < one ? tangent : one);
+        const Ints at = truncated(place);
         const auto enveloped = [&](const float* of) {
-            return only(height > zero, mixed(gather(of, at), gather(of + 1, at), place - number(at)));
+            return only(height > zero, mixed(gather(of, at), gather(of + 1, at), place - floats_of(at)));
         };
-        Lanes e = enveloped(envelope);
+        Floats e = enveloped(envelope);
 
-        const Lanes light = light_intervals * root(one - root(z));
-        const Lanes azimuth = azimuth_intervals * (0.5f - 0.5f * lx / (absolute(lx) + absolute(ly) + tiny));
-        const Ints light_cell = whole(light), azimuth_cell = whole(azimuth);
-        const Lanes along_light = light - number(light_cell), along_azimuth = azimuth - number(azimuth_cell);
+        const Floats light = light_intervals * root(one - root(z));
+        const Floats azimuth =
+            azimuth_intervals * (0.5f - 0.5f * lx / (magnitude(lx) + magnitude(ly) + tiny));
+        const Ints light_cell = truncated(light), azimuth_cell = truncated(azimuth);
+        const Floats along_light = light - floats_of(light_cell),
+                     along_azimuth = azimuth - floats_of(azimuth_cell);
         const Ints cell = from[k] + light_cell * row + azimuth_cell;
         const auto in_slice = [&](const float* slice) {
-            const Lanes low = mixed(gather(slice, cell), gather(slice + 1, cell), along_azimuth);
-            const Lanes high = mixed(gather(slice + row, cell), gather(slice + row + 1, cell), along_azimuth);
+            const Floats low = mixed(gather(slice, cell), gather(slice + 1, cell), along_azimuth);
+            const Floats high =
+                mixed(gather(slice + row, cell), gather(slice + row + 1, cell), along_azimuth);
             return mixed(low, high, along_light);
         };
         for (int c = 0; c < channels; ++c) {
@@ -76,25 +79,25 @@ struct IsotropicKernel {
         }
         if (!whole_lobe) between_heights(u);
     }
-    SHRM_INLINE void between_heights(Lanes (&u)[channels]) const {
-        const Lanes zero = {};
-        Lanes mean = u[0];
+    SHRM_INLINE void between_heights(Floats (&u)[channels]) const {
+        const Floats zero = {};
+        Floats mean = u[0];
         for (int c = 1; c < channels; ++c) mean += u[c];
         mean *= 1.0f / channels;
         mean = mean > zero ? mean : zero;
-        const Lanes core = mean / (above + mean + 1e-30f), m = mean * core;
-        const Lanes share = core * (below / (below + m));
+        const Floats core = mean / (above + mean + 1e-30f), m = mean * core;
+        const Floats share = core * (below / (below + m));
         for (int c = 0; c < channels; ++c) u[c] *= share;
     }
     SHRM_INLINE bool reaches(const Value& value, float radius) const {  // above the horizon
         Ints found = {};
-        for (const Lanes& height : value.height) found |= height > -radius;
+        for (const Floats& height : value.height) found |= height > -radius;
         return any(found);
     }
     SHRM_INLINE bool hides(const Value& value, float radius) const {
         Ints found = {};
         for (int k = 0; k < groups; ++k) {
-            const Lanes chord = reach[k] + 0.5f * radius;
+            const Floats chord = reach[k] + 0.5f * radius;
             found |= (value.s2[k] < chord * chord) & (finest[k] < radius);
         }
         return any(found);
@@ -135,7 +138,7 @@ Effort isotropic(const Pyramid& pyramid, const angular::IsotropicTable& table, c
             kernel.finest.set(k, descent.finest * std::clamp(std::sqrt(2.) * frame.cos_v, least, 1.));
             kernel.view_x.set(k, std::sqrt(std::max(0.0, 1 - frame.cos_v * frame.cos_v)));
             kernel.view_z.set(k, frame.cos_v);
-            kernel.from[k / width][k % width] = place.from * channels * plane;
+            kernel.from[k / lanes][k % lanes] = place.from * channels * plane;
             kernel.along_view.set(k, place.t);
         },
         out);

@@ -18,8 +18,8 @@ struct RadialKernel {
     Directions center = {};        // g C, so that the variable is 1 + |g C - g L|^2
 
     struct Value {
-        Lanes u[groups][channels];
-        Lanes place[groups];  // the profile's variable
+        Floats u[groups][channels];
+        Floats place[groups];  // the profile's variable
     };
     SHRM_INLINE Value at(const Pyramid::Node& node) const {
         Value value;
@@ -40,7 +40,7 @@ struct RadialKernel {
     SHRM_INLINE bool within(const Value& value, float angle) const {
         const float chord = g * angle, beyond = 1.0f + chord * chord;
         Ints found = {};
-        for (const Lanes& place : value.place) found |= place < beyond;
+        for (const Floats& place : value.place) found |= place < beyond;
         return any(found);
     }
 };

@@ -12,39 +12,21 @@
 
 #include <glm/vec3.hpp>
 
-#include "shrm/angular/lanes.hpp"
+#include "shrm/angular/sums.hpp"
 #include "shrm/core.hpp"
 #include "shrm/hierarchical/hierarchical.hpp"
 
 namespace shrm::hierarchical {
 
-using angular::Ints;
-using angular::Lanes;
-using angular::width;
-
 // Vectors that hold a block of targets: what one of them needs, all do, whatever the width of vectors.
-inline constexpr int groups = block / width;
-
-SHRM_INLINE bool any(const Ints& mask) {
-#if defined(__AVX512F__)
-    const auto m = reinterpret_cast<__m512i>(mask);
-    return _mm512_test_epi32_mask(m, m) != 0;
-#elif defined(__AVX2__)
-    const auto m = reinterpret_cast<__m256i>(mask);
-    return _mm256_testz_si256(m, m) == 0;
-#else
-    int found = 0;
-    for (int k = 0; k < width; ++k) found |= mask[k];
-    return found != 0;
-#endif
-}
+inline constexpr int groups = block / lanes;
 
 // A number for each target of a block.
 struct Numbers {
-    Lanes lanes[groups] = {};
+    Floats groups_[groups] = {};
 
-    SHRM_INLINE const Lanes& operator[](int group) const { return lanes[group]; }
-    void set(int k, double value) { lanes[k / width][k % width] = static_cast<float>(value); }
+    SHRM_INLINE const Floats& operator[](int group) const { return groups_[group]; }
+    void set(int k, double value) { groups_[k / lanes][k % lanes] = static_cast<float>(value); }
 };
 
 // A direction for each.
@@ -57,24 +39,24 @@ struct Directions {
         z.set(k, d.z);
     }
     // The square of the chord to scale L.
-    SHRM_INLINE Lanes chord2(int group, const Pyramid::Node& node, float scale = 1) const {
-        const Lanes dx = x[group] - scale * node.direction[0], dy = y[group] - scale * node.direction[1],
-                    dz = z[group] - scale * node.direction[2];
+    SHRM_INLINE Floats chord2(int group, const Pyramid::Node& node, float scale = 1) const {
+        const Floats dx = x[group] - scale * node.direction[0], dy = y[group] - scale * node.direction[1],
+                     dz = z[group] - scale * node.direction[2];
         return dz * dz + (dy * dy + dx * dx);
     }
-    SHRM_INLINE Lanes along(int group, const Pyramid::Node& node) const {
+    SHRM_INLINE Floats along(int group, const Pyramid::Node& node) const {
         return x[group] * node.direction[0] + (y[group] * node.direction[1] + z[group] * node.direction[2]);
     }
 };
 
 // Sums of three channels in single precision, carried over to double before their rounding shows.
 struct Total {
-    Lanes single[groups][3] = {};
+    Floats single[groups][3] = {};
     angular::Sum sum[groups];
     int terms = 0;
 
     template <int channels>
-    SHRM_INLINE void add(const Lanes (&u)[groups][channels], const Pyramid::Node& node) {
+    SHRM_INLINE void add(const Floats (&u)[groups][channels], const Pyramid::Node& node) {
         for (int k = 0; k < groups; ++k)
             for (int c = 0; c < 3; ++c) single[k][c] += u[k][channels == 1 ? 0 : c] * node.power[c];
         if (++terms == angular::terms_in_single) carry();
@@ -134,7 +116,7 @@ struct Walk {
             ++evaluations;
             for (int v = 0; v < groups; ++v)
                 for (int c = 0; c < Kernel::channels; ++c) {
-                    const Lanes difference = child.brightness * (values[k].u[v][c] - entry.value.u[v][c]);
+                    const Floats difference = child.brightness * (values[k].u[v][c] - entry.value.u[v][c]);
                     differs |= (difference > limit) | (difference < -limit);
                 }
         }
@@ -172,7 +154,7 @@ Effort integrate(const Pyramid& pyramid, const Descent& descent, const Kernel& l
             for (int k = 0; k < block && first + size(k) < count; ++k)
                 for (int c = 0; c < 3; ++c)
                     out[3 * (first + size(k)) + size(c)] =
-                        static_cast<float>(total.sum[k / width].total[c][k % width]);
+                        static_cast<float>(total.sum[k / lanes].total[c][k % lanes]);
         }
         evaluations = walk.evaluations;
     }

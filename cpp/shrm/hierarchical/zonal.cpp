@@ -22,24 +22,24 @@ struct ZonalKernel {
     Numbers first = {}, last = {};   // where it is
 
     struct Value {
-        Lanes u[groups][channels];
-        Lanes s[groups];
+        Floats u[groups][channels];
+        Floats s[groups];
     };
     SHRM_INLINE Value at(const Pyramid::Node& node) const {
         Value value;
         for (int k = 0; k < groups; ++k) {
-            const Lanes s = 0.5f * angular::root(axis.chord2(k, node));
+            const Floats s = 0.5f * root(axis.chord2(k, node));
             value.s[k] = s;
-            const Lanes place = static_cast<float>(intervals) * (s < 1.0f ? s : Lanes{} + 1.0f);
-            const Ints cell = angular::whole(place);
-            const Lanes t = place - angular::number(cell);
+            const Floats place = static_cast<float>(intervals) * (s < 1.0f ? s : Floats{} + 1.0f);
+            const Ints cell = truncated(place);
+            const Floats t = place - floats_of(cell);
             for (int c = 0; c < channels; ++c) {
                 const float* low = table + c * (intervals + 2);
                 const float* high = low + row;
                 const Ints at = from[k] + cell;
-                const Lanes a = angular::mixed(angular::gather(low, at), angular::gather(low + 1, at), t);
-                const Lanes b = angular::mixed(angular::gather(high, at), angular::gather(high + 1, at), t);
-                value.u[k][c] = angular::mixed(a, b, along[k]);
+                const Floats a = mixed(gather(low, at), gather(low + 1, at), t);
+                const Floats b = mixed(gather(high, at), gather(high + 1, at), t);
+                value.u[k][c] = mixed(a, b, along[k]);
             }
         }
         return value;
@@ -73,7 +73,7 @@ Effort zonal(const Pyramid& pyramid, const angular::ZonalProfiles& profiles,
             kernel.axis.set(k, axes[target]);
             const double place = theta_o[target] / pi * (profiles.rows - 1);
             const int from = std::clamp(static_cast<int>(place), 0, profiles.rows - 2);
-            kernel.from[k / width][k % width] = from * row;
+            kernel.from[k / lanes][k % lanes] = from * row;
             kernel.along.set(k, place - from);
             const auto of_both = [&](std::span<const angular::Band> bands, Numbers& low, Numbers& high) {
                 const angular::Band &a = bands[size(from)], &b = bands[size(from) + 1];

@@ -8,6 +8,7 @@
 #include "shrm/core.hpp"
 #include "shrm/reflection/view_map.hpp"
 #include "shrm/sh/view_harmonics.hpp"
+#include "shrm/simd/shuffles.hpp"
 #include "shrm/simd/vectors.hpp"
 
 namespace shrm {

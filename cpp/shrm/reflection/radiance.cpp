@@ -20,45 +20,33 @@ namespace {
 
 constexpr std::size_t largest_block = 65536;  // points; the more, the more of them look at the same texels
 
-typedef float f4 __attribute__((vector_size(16)));
-typedef float f4_anywhere __attribute__((vector_size(16), aligned(4)));
-typedef float f8 __attribute__((vector_size(32)));
-typedef int i8 __attribute__((vector_size(32)));
-
-// Eight directions.
-struct Directions {
-    d8 x, y, z;
-};
-
-void gather(std::span<const glm::dvec3> from, const std::size_t (&index)[8], Directions& to) {
-    d8 x{}, y{}, z{};
+d8vec3 gather(std::span<const glm::dvec3> from, const std::size_t (&index)[8]) {
+    d8vec3 to{};
     for (int u = 0; u < 8; ++u) {
         const glm::dvec3& direction = from[index[u]];
-        x[u] = direction.x, y[u] = direction.y, z[u] = direction.z;
+        to.x[u] = direction.x, to.y[u] = direction.y, to.z[u] = direction.z;
     }
-    to.x = x, to.y = y, to.z = z;
+    return to;
 }
 
 // The central directions of eight normals N and views V, and their effect on the views: see radiance.hpp.
-void central_directions(Center center, std::span<const double> gamma, const Directions& N, Directions& V,
-                        Directions& C) {
+void central_directions(Center center, std::span<const double> gamma, const d8vec3& N, d8vec3& V, d8vec3& C) {
     C = N;
     if (center == Center::tangent) return;
-    const d8 cosine = N.x * V.x + N.y * V.y + N.z * V.z;
+    const d8 cosine = dot(N, V);
     if (center == Center::reflection) {
         C = {2 * cosine * N.x - V.x, 2 * cosine * N.y - V.y, 2 * cosine * N.z - V.z};
         return;
     }
-    const Directions across{V.x - cosine * N.x, V.y - cosine * N.y, V.z - cosine * N.z};
-    d8 sine;
-    square_root(across.x * across.x + across.y * across.y + across.z * across.z, sine);
+    const d8vec3 across{V.x - cosine * N.x, V.y - cosine * N.y, V.z - cosine * N.z};
+    const d8 sine = square_root(dot(across, across));
     const auto below = (cosine < 0) & (sine >= 1e-12);
     const d8 inverse = 1 / (sine < 1e-12 ? 1 + d8{} : sine);
     V = {below ? inverse * across.x : V.x, below ? inverse * across.y : V.y,
          below ? inverse * across.z : V.z};
     if (center == Center::normal) return;
-    d8 theta_v, angle, cos_angle, sin_angle;
-    arc_tangent(sine, cosine, theta_v);
+    const d8 theta_v = arc_tangent(sine, cosine);
+    d8 angle, cos_angle, sin_angle;
     for (int u = 0; u < 8; ++u) {
         const double at = std::min(theta_v[u] / (pi / 2), 1.) * static_cast<double>(gamma.size() - 1);
         const std::size_t i = std::min(static_cast<std::size_t>(at), gamma.size() - 2);
@@ -92,17 +80,13 @@ struct Look {
 };
 
 // Rows and columns, in texels from the center of the first, of eight directions on a lat-long map.
-void latlong_position(int H, int W, const Directions& C, d8& row, d8& column) {
-    d8 sine, theta, phi;
-    square_root(C.x * C.x + C.y * C.y, sine);
-    arc_tangent(sine, C.z, theta);
-    arc_tangent(C.y, C.x, phi);
-    row = H / pi * theta - 0.5;
-    column = W / (2 * pi) * (pi - phi) - 0.5;
+void latlong_position(int H, int W, const d8vec3& C, d8& row, d8& column) {
+    row = H / pi * arc_tangent(length(C.x, C.y), C.z) - 0.5;
+    column = W / (2 * pi) * (pi - arc_tangent(C.y, C.x)) - 0.5;
 }
 
 // The same on the faces of a cube of N texels, and which face.
-void cube_position(int N, const Directions& C, d8& row, d8& column, i8& faces) {
+void cube_position(int N, const d8vec3& C, d8& row, d8& column, i8& faces) {
     for (int u = 0; u < 8; ++u) {
         const glm::dvec3 d{-C.y[u], C.z[u], C.x[u]};  // in the cube's axes
         const glm::dvec3 a = glm::abs(d);
@@ -120,8 +104,7 @@ void cube_position(int N, const Directions& C, d8& row, d8& column, i8& faces) {
     }
 }
 
-void look(const ReflectionMapView& map, const Directions& C, const Directions& V, bool bilinear,
-          Look (&looks)[8]) {
+void look(const ReflectionMapView& map, const d8vec3& C, const d8vec3& V, bool bilinear, Look (&looks)[8]) {
     d8 row, column, row_weights[4], column_weights[4];
     i8 face{};
     const bool cube = map.layout == MapLayout::cube;
@@ -132,7 +115,7 @@ void look(const ReflectionMapView& map, const Directions& C, const Directions& V
     const i8 i = __builtin_convertvector(row + 2, i8) - 2, j = __builtin_convertvector(column + 2, i8) - 2;
     interpolation_weights(row - __builtin_convertvector(i, d8), bilinear, row_weights);
     interpolation_weights(column - __builtin_convertvector(j, d8), bilinear, column_weights);
-    const d8 cosine = C.x * V.x + C.y * V.y + C.z * V.z;
+    const d8 cosine = dot(C, V);
     for (int u = 0; u < 8; ++u) {
         Look& to = looks[u];
         to.view = map.zonal ? glm::dvec3(0, 0, cosine[u]) : glm::dvec3(V.x[u], V.y[u], V.z[u]);
@@ -197,8 +180,7 @@ class Tile {
         f4 sums[4][3] = {};  // of each row, its columns still apart
         for (int z = 0; z < maps_; ++z, weights += stride)
             for (std::size_t c = 0; c < 3; ++c, texels += columns)
-                for (std::size_t a = 0; a < 4; ++a)
-                    sums[a][c] += *weights * *reinterpret_cast<const f4_anywhere*>(texels + a * row);
+                for (std::size_t a = 0; a < 4; ++a) sums[a][c] += *weights * load_four(texels + a * row);
         for (std::size_t c = 0; c < 3; ++c) {
             f4 sum{};
             for (std::size_t a = 0; a < 4; ++a) sum += at.row_weights[a] * sums[a][c];
@@ -258,7 +240,7 @@ class Block {
     void locate(std::size_t count, bool bilinear, const Central& central) {
         looks_.resize(count);
         for (std::size_t i = 0; i < count; i += 8) {
-            Directions C, V;
+            d8vec3 C, V;
             central(i, C, V);
             Look eight[8];
             look(map_, C, V, bilinear, eight);
@@ -305,7 +287,7 @@ class Block {
         if (map_.zonal)
             zonal_harmonics(map_.P, z, Y_.data());
         else
-            real_harmonics(map_.P, Directions{x, y, z}, Y_.data());
+            real_harmonics(map_.P, d8vec3{x, y, z}, Y_.data());
         for (std::size_t k = 0; k < size(map_.maps()); ++k) weights_[k] = __builtin_convertvector(Y_[k], f8);
     }
 
@@ -333,14 +315,14 @@ void add_in_blocks(const ReflectionMapView& map, std::span<const glm::dvec3> axe
         for (std::ptrdiff_t number = 0; number < blocks; ++number) {
             const std::size_t first = static_cast<std::size_t>(number) * length,
                               count = std::min(length, n - first);
-            block.locate(count, bilinear, [&](std::size_t i, Directions& C, Directions& V) {
+            block.locate(count, bilinear, [&](std::size_t i, d8vec3& C, d8vec3& V) {
                 std::size_t at[8], view[8];
                 for (std::size_t u = 0; u < 8; ++u) {
                     at[u] = first + std::min(i + u, count - 1);
                     view[u] = views.size() == 1 ? 0 : at[u];
                 }
-                gather(axes, at, C);
-                gather(views, view, V);
+                C = gather(axes, at);
+                V = gather(views, view);
                 central(C, V);
             });
             block.add(&radiance[3 * first]);
@@ -353,8 +335,8 @@ void add_in_blocks(const ReflectionMapView& map, std::span<const glm::dvec3> axe
 void add_radiance(const ReflectionMapView& map, Center center, std::span<const double> gamma,
                   std::span<const glm::dvec3> axes, std::span<const glm::dvec3> views, bool bilinear,
                   std::span<float> radiance) {
-    const auto central = [&](Directions& C, Directions& V) {
-        const Directions N = C;
+    const auto central = [&](d8vec3& C, d8vec3& V) {
+        const d8vec3 N = C;
         central_directions(center, gamma, N, V, C);
     };
     add_in_blocks(map, axes, views, bilinear, central, radiance);
@@ -362,7 +344,7 @@ void add_radiance(const ReflectionMapView& map, Center center, std::span<const d
 
 void add_looked_up(const ReflectionMapView& map, std::span<const glm::dvec3> C,
                    std::span<const glm::dvec3> views, bool bilinear, std::span<float> radiance) {
-    add_in_blocks(map, C, views, bilinear, [](Directions&, Directions&) {}, radiance);
+    add_in_blocks(map, C, views, bilinear, [](d8vec3&, d8vec3&) {}, radiance);
 }
 
 }  // namespace shrm

@@ -10,6 +10,7 @@
 #include "shrm/pictures/layouts.hpp"
 #include "shrm/sh/view_harmonics.hpp"
 #include "shrm/simd/half.hpp"
+#include "shrm/simd/shuffles.hpp"
 #include "shrm/simd/vectors.hpp"
 
 namespace shrm {
@@ -183,8 +184,7 @@ float largest_magnitude(std::span<const float> rings) {
         Floats most = {};
 #pragma omp for schedule(static)
         for (std::ptrdiff_t i = 0; i < whole; i += lanes) {
-            const Floats v = load(&rings[std::size_t(i)]), magnitude = v < 0 ? -v : v;
-            most = magnitude > most ? magnitude : most;  // NaN never is
+            most = larger(magnitude(load(&rings[std::size_t(i)])), most);  // NaN never is
         }
         for (int i = 0; i < lanes; ++i) largest = std::max(largest, most[i]);
     }

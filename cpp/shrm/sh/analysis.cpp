@@ -10,6 +10,7 @@
 
 #include "shrm/core.hpp"
 #include "shrm/quadrature.hpp"
+#include "shrm/simd/shuffles.hpp"
 #include "shrm/simd/vectors.hpp"
 
 namespace shrm {

@@ -6,6 +6,7 @@
 
 #include "shrm/core.hpp"
 #include "shrm/sh/legendre.hpp"
+#include "shrm/simd/packs.hpp"
 
 namespace shrm {
 namespace {
@@ -15,42 +16,33 @@ constexpr double real_norm(int m) {
     return m == 0 ? 1 : std::numbers::sqrt2;
 }
 
-// Directions that are evaluated together, and channels: a block of sums that stays in registers.
-constexpr int block = 8;
+constexpr int block = 8;  // directions that are evaluated together, and channels: sums stay in registers
 
 // The real basis at up to 8 directions, ((F+1)^2, 8).
 void basis_block(const glm::dvec3* directions, int count, int F, const LegendreRecurrence& recurrence,
                  double* basis) {
-    double x[block], sine[block], cos1[block], sin1[block], cosm[block], sinm[block];
+    d8 x, sine, cos_1, sin_1, cos_m = 1 + d8{}, sin_m{};
     for (int n = 0; n < block; ++n) {
         const glm::dvec3 d = directions[std::min(n, count - 1)];
         sine[n] = std::sqrt(d.x * d.x + d.y * d.y);
         x[n] = d.z;
-        cos1[n] = sine[n] > 0 ? d.x / sine[n] : 1;
-        sin1[n] = sine[n] > 0 ? d.y / sine[n] : 0;
-        cosm[n] = 1;
-        sinm[n] = 0;
+        cos_1[n] = sine[n] > 0 ? d.x / sine[n] : 1;
+        sin_1[n] = sine[n] > 0 ? d.y / sine[n] : 0;
     }
     for (int m = 0; m <= F; ++m) {
-        double f[block], previous[block] = {};
+        d8 f, previous{};
         for (int n = 0; n < block; ++n) f[n] = real_norm(m) * recurrence.start(m) * power(sine[n], m);
         for (int l = m; l <= F; ++l) {
-            double* cosines = basis + lm(l, m) * block;
-            double* sines = basis + lm(l, -m) * block;
-            for (int n = 0; n < block; ++n) sines[n] = f[n] * sinm[n];
-            for (int n = 0; n < block; ++n) cosines[n] = f[n] * cosm[n];  // m = 0: last
+            store(basis + lm(l, -m) * block, f * sin_m);
+            store(basis + lm(l, m) * block, f * cos_m);  // m = 0: last
             const auto [a, b] = recurrence.steps(m)[l - m];
-            for (int n = 0; n < block; ++n) {
-                const double next = a * x[n] * f[n] - b * previous[n];
-                previous[n] = f[n];
-                f[n] = next;
-            }
+            const d8 next = a * x * f - b * previous;
+            previous = f;
+            f = next;
         }
-        for (int n = 0; n < block; ++n) {
-            const double next = cosm[n] * cos1[n] - sinm[n] * sin1[n];
-            sinm[n] = sinm[n] * cos1[n] + cosm[n] * sin1[n];
-            cosm[n] = next;
-        }
+        const d8 next = cos_m * cos_1 - sin_m * sin_1;
+        sin_m = sin_m * cos_1 + cos_m * sin_1;
+        cos_m = next;
     }
 }
 
@@ -58,18 +50,15 @@ void basis_block(const glm::dvec3* directions, int count, int F, const LegendreR
 // 8).
 void basis_product(const double* basis, const double* coefficients, std::size_t terms, int channels,
                    int count, double* values) {
-    typedef double pack __attribute__((vector_size(block * sizeof(double))));
-    typedef double packu __attribute__((vector_size(block * sizeof(double)), aligned(sizeof(double))));
     const std::size_t stride = size(round_up(channels, block));
     for (int c0 = 0; c0 < channels; c0 += block) {
-        pack sums[block] = {};
+        d8 sums[block] = {};
         for (std::size_t k = 0; k < terms; ++k) {
-            const pack c = *reinterpret_cast<const packu*>(coefficients + k * stride + c0);
+            const d8 c = load(coefficients + k * stride + c0);
             for (int n = 0; n < block; ++n) sums[n] += basis[k * block + size(n)] * c;
         }
         for (int n = 0; n < count; ++n)
-            for (int c = c0; c < std::min(c0 + block, channels); ++c)
-                values[size(n) * size(channels) + size(c)] = sums[n][c - c0];
+            store_first(values + size(n) * size(channels) + c0, sums[n], channels - c0);
     }
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "shrm/core.hpp"
+#include "shrm/simd/shuffles.hpp"
 #include "shrm/simd/stream.hpp"
 #include "shrm/simd/vectors.hpp"
 

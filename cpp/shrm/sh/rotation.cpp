@@ -8,19 +8,14 @@
 
 #include "shrm/core.hpp"
 #include "shrm/sh/legendre.hpp"
+#include "shrm/simd/packs.hpp"
 
 namespace shrm {
 namespace {
 
 using Complex = std::complex<double>;
-typedef double Block __attribute__((vector_size(64)));
-typedef double UnalignedBlock __attribute__((vector_size(64), aligned(8)));
 
 constexpr int few_degrees = 16;  // which take less time than to wake threads
-
-inline const UnalignedBlock& load_block(const double* from) {
-    return *reinterpret_cast<const UnalignedBlock*>(from);
-}
 
 struct EulerAngles {
     double beta, alpha, gamma;
@@ -73,7 +68,7 @@ void Rotation::rotate_order(int m, const double* turned, double* sums) const {
     const int rows = 2 * channels_;
     std::fill_n(sums, size(F_ + 1) * size(rows * block), 0.);
     for (int q0 = 0; q0 <= F_; q0 += block) {
-        Block d = {}, e = {}, before_d = {}, before_e = {}, sign, q;
+        d8 d = {}, e = {}, before_d = {}, before_e = {}, sign, q;
         for (int i = 0; i < block; ++i) {
             sign[i] = i % 2 ? -1 : 1;
             q[i] = q0 + i;
@@ -86,7 +81,7 @@ void Rotation::rotate_order(int m, const double* turned, double* sums) const {
                     e[i] = start(m, -(q0 + i));
                 }
             // c_{l,-q} = (-1)^q conj(c_lq); the sums are c'_lm / sqrt2
-            Block re = (d + sign * e) / 2, im = (d - sign * e) / 2;
+            d8 re = (d + sign * e) / 2, im = (d - sign * e) / 2;
             if (q0 == 0) {
                 re[0] = d[0] / std::numbers::sqrt2;
                 im[0] = 0;
@@ -94,19 +89,17 @@ void Rotation::rotate_order(int m, const double* turned, double* sums) const {
             const double* light = turned + size(l * rows) * size(width_) + q0;
             double* sum = sums + size(l * rows * block);
             for (int z = 0; z < rows; z += 2, light += 2 * width_, sum += 2 * block) {
-                UnalignedBlock& of_re = *reinterpret_cast<UnalignedBlock*>(sum);
-                UnalignedBlock& of_im = *reinterpret_cast<UnalignedBlock*>(sum + block);
-                of_re += re * load_block(light);
-                of_im += im * load_block(light + width_);
+                store(sum, load(sum) + re * load(light));
+                store(sum + block, load(sum + block) + im * load(light + width_));
             }
             // d^{l+1} = (a x + b) d^l - c d^{l-1}   [VMK88 4.8]
             const std::size_t up = size((l + 1) * width_), here = size(l * width_);
             const double norm = (l + 1) * inverse_root_[up + size(m)], over_l = l ? 1.0 / l : 0;
-            const Block scale = norm * load_block(&inverse_root_[up + size(q0)]);
-            const Block a_x = scale * ((2 * l + 1) * angle_.x);
-            const Block b = scale * ((2 * l + 1) * m * over_l / (l + 1)) * q;
-            const Block c = scale * (root_[here + size(m)] * over_l) * load_block(&root_[here + size(q0)]);
-            const Block next_d = (a_x - b) * d - c * before_d, next_e = (a_x + b) * e - c * before_e;
+            const d8 scale = norm * load(&inverse_root_[up + size(q0)]);
+            const d8 a_x = scale * ((2 * l + 1) * angle_.x);
+            const d8 b = scale * ((2 * l + 1) * m * over_l / (l + 1)) * q;
+            const d8 c = scale * (root_[here + size(m)] * over_l) * load(&root_[here + size(q0)]);
+            const d8 next_d = (a_x - b) * d - c * before_d, next_e = (a_x + b) * e - c * before_e;
             before_d = d;
             before_e = e;
             d = next_d;

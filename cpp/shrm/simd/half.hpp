@@ -1,6 +1,6 @@
 // IEEE half floats: a sign, 5 bits of exponent, 10 of fraction. They keep 11 bits of a number between 6.1e-5
 // and 65504, and fewer down to 6e-8. A map of halves takes half the memory, and half the time where memory is
-// the limit. For .cpp files only, as simd.hpp.
+// the limit. For .cpp files only, as vectors.hpp.
 #pragma once
 
 #include <bit>

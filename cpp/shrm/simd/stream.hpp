@@ -1,5 +1,5 @@
 // Stores that go past the caches. What is larger than the caches would push all else out of them, and every
-// line of it would be read from memory before it is written. For .cpp files only, as simd.hpp.
+// line of it would be read from memory before it is written. For .cpp files only, as vectors.hpp.
 #pragma once
 
 #include <algorithm>

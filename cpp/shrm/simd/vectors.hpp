@@ -1,16 +1,18 @@
-// Vectors of the instruction set that a file is compiled for. For .cpp files only: what bindings include
-// must be the same for every instruction set.
+// Vectors of the instruction set that a file is compiled for, and what is done in each of their lanes. For
+// .cpp files only: what bindings include must be the same for every instruction set.
 #pragma once
 
-#include <algorithm>
+#include <cmath>
 #include <type_traits>
 #include <utility>
 
-#if defined(__AVX512F__)
+#if defined(__AVX2__)
 #include <immintrin.h>
 #endif
 
-// For the innermost functions: all they call, lambdas too, becomes part of them, and sums stay in registers.
+// Becomes part of its callers: sums stay in registers, and vectors are passed in them.
+#define SHRM_INLINE inline __attribute__((always_inline))
+// For the innermost functions: all they call, lambdas too, becomes part of them.
 #define SHRM_KERNEL __attribute__((flatten))
 
 namespace shrm {
@@ -18,7 +20,7 @@ namespace shrm {
 #if defined(__AVX512F__)
 inline constexpr int lanes = 16;
 inline constexpr int vector_registers = 32;
-#elif defined(__AVX__)
+#elif defined(__AVX2__)
 inline constexpr int lanes = 8;
 inline constexpr int vector_registers = 16;
 #else
@@ -28,13 +30,16 @@ inline constexpr int vector_registers = 16;
 
 typedef float Floats __attribute__((vector_size(lanes * sizeof(float))));
 typedef float UnalignedFloats __attribute__((vector_size(lanes * sizeof(float)), aligned(sizeof(float))));
+typedef int Ints __attribute__((vector_size(lanes * sizeof(int))));  // and masks: all bits of a lane, or none
 
-inline Floats load(const float* from) {
+// ---- To and from memory
+
+SHRM_INLINE Floats load(const float* from) {
     return *reinterpret_cast<const UnalignedFloats*>(from);
 }
 
 // The first `count` lanes, and zeros.
-inline Floats load_first(const float* from, int count) {
+SHRM_INLINE Floats load_first(const float* from, int count) {
 #if defined(__AVX512F__)
     return Floats(_mm512_maskz_loadu_ps(static_cast<__mmask16>((1u << count) - 1), from));
 #else
@@ -44,9 +49,25 @@ inline Floats load_first(const float* from, int count) {
 #endif
 }
 
-inline void store(float* to, Floats v) {
+SHRM_INLINE void store(float* to, Floats v) {
     *reinterpret_cast<UnalignedFloats*>(to) = v;
 }
+
+// Lane i is table[at[i]].
+SHRM_INLINE Floats gather(const float* table, Ints at) {
+#if defined(__AVX512F__)
+    // masked by all lanes: g++ 12 warns of the plain one's undefined source
+    return Floats(_mm512_mask_i32gather_ps(_mm512_setzero_ps(), 0xffff, __m512i(at), table, 4));
+#elif defined(__AVX2__)
+    return Floats(_mm256_i32gather_ps(table, __m256i(at), 4));
+#else
+    Floats v;
+    for (int i = 0; i < lanes; ++i) v[i] = table[at[i]];
+    return v;
+#endif
+}
+
+// ---- Registers
 
 // Calls body(0), body(1), ..., body(N - 1) with constants, so that arrays of sums stay in registers.
 template <int N, class Body>
@@ -56,9 +77,9 @@ inline void unrolled(Body&& body) {
     }(std::make_integer_sequence<int, N>());
 }
 
-// Keeps a value that several products share in a register: the compiler would load it anew for each, and the
-// loads, not the products, would be the limit.
-inline void keep(Floats& v) {
+// Keeps a value that several products share in a register: the compiler would load or compute it anew for
+// each, and that, not the products, would be the limit.
+SHRM_INLINE void keep(Floats& v) {
 #if defined(__AVX512F__)
     asm("" : "+v"(v));
 #elif defined(__x86_64__)
@@ -68,135 +89,96 @@ inline void keep(Floats& v) {
 #endif
 }
 
-// Lane i of the result is lane index(i) of a followed by b.
-template <auto index>
-inline Floats shuffled(Floats a, Floats b) {
-    return [&]<int... i>(std::integer_sequence<int, i...>) {
-#if defined(__clang__)
-        return __builtin_shufflevector(a, b, index(i)...);
+SHRM_INLINE Floats load_once(const float* from) {
+    Floats v = load(from);
+    keep(v);
+    return v;
+}
+
+// A value in all lanes, hidden from the compiler, which would otherwise compute once what the lanes share.
+SHRM_INLINE Floats splat(float value) {
+    Floats v = Floats{} + value;
+    keep(v);
+    return v;
+}
+
+// ---- Functions of each lane
+
+// 1 / sqrt(v) to 3e-7, for v > 0 that is not subnormal.
+SHRM_INLINE Floats inverse_root(Floats v) {
+#if defined(__AVX512F__)
+    // 14 bits, then a step of Newton's: less than a third of the time of a root and a division
+    const Floats r = Floats(_mm512_maskz_rsqrt14_ps(0xffff, __m512(v)));  // masked as above
+    return r * (1.5f - 0.5f * v * r * r);
 #else
-        typedef int Ints __attribute__((vector_size(lanes * sizeof(int))));
-        return __builtin_shuffle(a, b, Ints{index(i)...});
+    Floats r;
+    for (int i = 0; i < lanes; ++i) r[i] = 1.0f / std::sqrt(v[i]);
+    return r;
 #endif
-    }(std::make_integer_sequence<int, lanes>());
 }
 
-inline Floats reversed(Floats v) {
-    return shuffled<[](int i) { return lanes - 1 - i; }>(v, v);
+// sqrt(v) to 3e-7, for v >= 0.
+SHRM_INLINE Floats root(Floats v) {
+    return v * inverse_root(v > 1e-30f ? v : Floats{} + 1e-30f);
 }
 
-// Where three channels are interleaved in three vectors, each lane holds a channel in one of them alone: the
-// second vector's lanes where that is vector V, the first one's elsewhere.
-template <int V, int channel>
-struct WithChannel {
-    static_assert(lanes % 3 != 0);
-    constexpr int operator()(int i) const { return i + ((V * lanes + i) % 3 == channel ? lanes : 0); }
-};
-
-// The lane of texel i of a channel, in whichever vector; backwards, that of texel i from the last.
-template <int channel, bool backwards>
-struct LaneOfThree {
-    constexpr int operator()(int i) const { return (3 * (backwards ? lanes - 1 - i : i) + channel) % lanes; }
-};
-
-// Channel C of `lanes` texels of three channels, interleaved in three vectors; the last texel first if
-// backwards.
-template <int C, bool backwards = false>
-inline Floats channel_of_three(Floats a, Floats b, Floats c) {
-    const Floats ab = shuffled<WithChannel<1, C>{}>(a, b), abc = shuffled<WithChannel<2, C>{}>(ab, c);
-    return shuffled<LaneOfThree<C, backwards>{}>(abc, abc);
+// sqrt(v), rounded as the processor does.
+SHRM_INLINE Floats square_root(Floats v) {
+    for (int i = 0; i < lanes; ++i) v[i] = std::sqrt(v[i]);
+    return v;
 }
 
-// Channels of the sum (0 to 2) and of the difference (3 to 5) of `lanes` texels of two rows, interleaved; the
-// last texel first if backwards.
-template <bool backwards>
-inline void sum_and_difference(const float* north, const float* south, Floats (&channels)[6]) {
-    Floats s[3], d[3];
-    unrolled<3>([&](auto v) {
-        const Floats n = load(north + v * lanes), m = load(south + v * lanes);
-        s[v] = n + m;
-        d[v] = n - m;
-    });
-    unrolled<3>([&](auto c) {
-        channels[c] = channel_of_three<c, backwards>(s[0], s[1], s[2]);
-        channels[3 + c] = channel_of_three<c, backwards>(d[0], d[1], d[2]);
-    });
+SHRM_INLINE Floats magnitude(Floats v) {
+    return Floats(Ints(v) & 0x7fffffff);
 }
 
-// Every texel of one channel to the lane where it stands in whichever of the three vectors holds it there.
-template <int channel>
-struct SpreadOfThree {
-    constexpr int operator()(int i) const {
-        int value = i;
-        while (value % 3 != channel) value += lanes;
-        return value / 3;
-    }
-};
-
-// Stores `lanes` texels whose three channels a, b and c are: the inverse of channel_of_three.
-inline void store_interleaved(float* to, Floats a, Floats b, Floats c) {
-    a = shuffled<SpreadOfThree<0>{}>(a, a);
-    b = shuffled<SpreadOfThree<1>{}>(b, b);
-    c = shuffled<SpreadOfThree<2>{}>(c, c);
-    unrolled<3>([&](auto v) {
-        const Floats ab = shuffled<WithChannel<v, 1>{}>(a, b);
-        store(to + v * lanes, shuffled<WithChannel<v, 2>{}>(ab, c));
-    });
+// a < b ? a : b: of NaN and b it is b.
+SHRM_INLINE Floats smaller(Floats a, Floats b) {
+    return a < b ? a : b;
 }
 
-// Of each two blocks of `apart` lanes the first (0) or the second (1); odd blocks of the result from the
-// second vector.
-template <int apart, int which>
-struct EveryOther {
-    constexpr int operator()(int i) const {
-        return i / apart % 2 * lanes + i / (2 * apart) * (2 * apart) + i % apart + which * apart;
-    }
-};
-
-template <int N, int apart>
-inline void add_lanes(Floats (&v)[N]) {
-    if constexpr (apart < lanes) {
-        constexpr int left = std::max(N / apart, 1);  // vectors that still hold sums
-        unrolled<std::max(left / 2, 1)>([&](auto pair) {
-            Floats& first = v[2 * apart * pair];
-            const Floats second = v[left > 1 ? 2 * apart * pair + apart : 0];
-            first = shuffled<EveryOther<apart, 0>{}>(first, second) +
-                    shuffled<EveryOther<apart, 1>{}>(first, second);
-        });
-        add_lanes<N, 2 * apart>(v);
-    }
+SHRM_INLINE Floats larger(Floats a, Floats b) {
+    return a > b ? a : b;
 }
 
-// Lane k of the result is the sum of all lanes of v[k], k < N, a power of two, at most `lanes`. Each step
-// adds pairs of blocks of lanes, and puts the blocks of two vectors side by side in one. v is overwritten.
-template <int N>
-inline Floats sums_of(Floats (&v)[N]) {
-    static_assert((N & (N - 1)) == 0 && N <= lanes);
-    add_lanes<N, 1>(v);
-    return v[0];
+// From a at 0 to b at 1.
+SHRM_INLINE Floats mixed(Floats a, Floats b, Floats t) {
+    return a + t * (b - a);
 }
 
-// Blocks of `apart` lanes of the upper (0) or lower (1) row of two, after the two off the diagonal have
-// changed places.
-template <int apart, int row>
-struct Exchanged {
-    constexpr int operator()(int i) const {
-        return i / apart % 2 == 0 ? i + row * apart : lanes + i - (1 - row) * apart;
-    }
-};
+// Towards zero.
+SHRM_INLINE Ints truncated(Floats v) {
+    return __builtin_convertvector(v, Ints);
+}
 
-// Exchanges rows and columns of a square.
-template <int apart = 1>
-inline void transpose(Floats (&v)[lanes]) {
-    if constexpr (apart < lanes) {
-        unrolled<lanes / 2>([&](auto k) {
-            constexpr int row = k / apart * 2 * apart + k % apart;
-            const Floats upper = shuffled<Exchanged<apart, 0>{}>(v[row], v[row + apart]);
-            v[row + apart] = shuffled<Exchanged<apart, 1>{}>(v[row], v[row + apart]);
-            v[row] = upper;
-        });
-        transpose<2 * apart>(v);
-    }
+SHRM_INLINE Floats floats_of(Ints v) {
+    return __builtin_convertvector(v, Floats);
+}
+
+// ---- Masks
+
+// v where the mask is set, else 0.
+SHRM_INLINE Floats only(Ints mask, Floats v) {
+    return Floats(Ints(v) & mask);
+}
+
+// The first n lanes.
+SHRM_INLINE Ints first_lanes(int n) {
+    Ints lane = {};
+    for (int i = 0; i < lanes; ++i) lane[i] = i;
+    return lane < n;
+}
+
+SHRM_INLINE bool any(Ints mask) {
+#if defined(__AVX512F__)
+    return _mm512_test_epi32_mask(__m512i(mask), __m512i(mask)) != 0;
+#elif defined(__AVX2__)
+    return _mm256_testz_si256(__m256i(mask), __m256i(mask)) == 0;
+#else
+    int bits = 0;
+    for (int i = 0; i < lanes; ++i) bits |= mask[i];
+    return bits != 0;
+#endif
 }
 
 }  // namespace shrm

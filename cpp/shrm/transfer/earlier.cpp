@@ -3,6 +3,7 @@
 
 #include "shrm/core.hpp"
 #include "shrm/sh/view_harmonics.hpp"
+#include "shrm/simd/shuffles.hpp"
 #include "shrm/transfer/lighting.hpp"
 #include "shrm/transfer/rows.hpp"
 

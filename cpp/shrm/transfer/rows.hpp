@@ -1,4 +1,4 @@
-// Rows of n^2 values, a float or a half each, times light. For .cpp files only, as simd.hpp.
+// Rows of n^2 values, a float or a half each, times light. For .cpp files only, as vectors.hpp.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "shrm/core.hpp"
+#include "shrm/simd/shuffles.hpp"
 #include "shrm/transfer/lighting.hpp"
 #include "shrm/transfer/rows.hpp"
 

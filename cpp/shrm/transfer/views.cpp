@@ -1,31 +1,11 @@
 #include "shrm/transfer/views.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "shrm/simd/vectors.hpp"
 
 namespace shrm {
 namespace {
-
-typedef std::int32_t Ints __attribute__((vector_size(lanes * sizeof(std::int32_t))));
-
-inline Floats square_root(Floats v) {
-    for (int i = 0; i < lanes; ++i) v[i] = std::sqrt(v[i]);
-    return v;
-}
-
-inline Floats magnitude(Floats v) {
-    return v < 0 ? -v : v;
-}
-
-inline Floats smaller(Floats a, Floats b) {
-    return a < b ? a : b;
-}
-
-inline Floats larger(Floats a, Floats b) {
-    return a > b ? a : b;
-}
 
 struct View {
     Floats x, y, z;
@@ -88,11 +68,11 @@ inline Floats eighths_of_turn(Floats q) {
 inline void store_neighbours(Floats u, Floats v, int side, int i, Neighbours& to) {
     u = larger(u, Floats{}), v = larger(v, Floats{});  // NaN, of vectors that overflowed, becomes 0
     const Ints last = side - 2 + Ints{};
-    Ints column = __builtin_convertvector(u, Ints), row = __builtin_convertvector(v, Ints);
+    Ints column = truncated(u), row = truncated(v);
     column = column < last ? column : last;
     row = row < last ? row : last;
-    const Floats s = smaller(u - __builtin_convertvector(column, Floats), 1 + Floats{});
-    const Floats t = smaller(v - __builtin_convertvector(row, Floats), 1 + Floats{});
+    const Floats s = smaller(u - floats_of(column), 1 + Floats{});
+    const Floats t = smaller(v - floats_of(row), 1 + Floats{});
     const Floats both = s * t;
     *reinterpret_cast<Ints*>(to.first + i) = row * side + column;
     store(to.weights[0] + i, 1 - s - (t - both));
