@@ -79,7 +79,7 @@ void bind_wigner(py::module_& module) {
     py::class_<RotationPlan>(module, "Rotation")
         .def(py::init(&rotation_plan), py::kw_only(), "F"_a, "channels"_a)
         .def("run", &RotationPlan::run, "coefficients"_a.noconvert(), "R"_a.noconvert(),
-             "rotated"_a.noconvert());
+             "rotated"_a.noconvert(), py::pos_only());
     module.def("wigner_d", &wigner_d, py::kw_only(), "m"_a, "q"_a, "F"_a, "alpha"_a);
 }
 
