@@ -3,7 +3,7 @@
 // CONVENTIONS
 //   World      right-handed, z up. theta is the colatitude from +z, phi the azimuth from +x
 //              towards +y. Radiance is linear.
-//   Lat-long   pixel (i, j) of an H x W picture covers theta in [i, i+1] pi/H and is centerd
+//   Lat-long   pixel (i, j) of an H x W picture covers theta in [i, i+1] pi/H and is centered
 //              on phi_j = pi - 2 pi (j + 1/2) / W: the center of the picture looks along +x,
 //              +y is a quarter of the width to the left, the top row is +z.
 //   Y_lm       f_lm(theta) e^{i m phi}: complex, orthonormal, Condon-Shortley phase.

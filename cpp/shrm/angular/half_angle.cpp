@@ -222,6 +222,7 @@ void half_angles(const Picture& picture, const RadialProfile& profile, std::span
     if (share && worth_sharing(setting, caps, views)) tabulate_half_vectors(setting);
     const std::size_t blocks = (normals.size() + queries_at_once - 1) / queries_at_once;
     for_each_query<Scratch>(blocks, [&](std::size_t block, Scratch& s) {
+        // What the block's queries visit.
         const Cubics<held> u(profile, 0);
         const std::size_t from = block * queries_at_once,
                           count = std::min<std::size_t>(queries_at_once, normals.size() - from);
@@ -234,6 +235,7 @@ void half_angles(const Picture& picture, const RadialProfile& profile, std::span
             first = std::min(first, query.reach.first);
             last = std::max(last, query.reach.last);
         }
+        // The picture row by row, for all queries together if each texel has one node.
         if (picture.subsamples == 1) {
             for (int i = first; i < last; ++i) sum_rows(setting, u, i, queries);
         } else {

@@ -69,6 +69,7 @@ struct Scratch {
 
 void isotropic_query(const Nodes& nodes, const Planes& planes, const IsotropicTable& table,
                      const glm::dvec3& normal, const glm::dvec3& view, Scratch& s, float* out) {
+    // The table at the view's angle.
     const LocalFrame frame(normal, view);
     const auto& [x_axis, y_axis, n, cos_v] = frame;
     const ViewPlace place(cos_v, table.view_intervals);
@@ -77,6 +78,7 @@ void isotropic_query(const Nodes& nodes, const Planes& planes, const IsotropicTa
     mix_rows(table.ratio.data(), plane * size(table.channels), place.from, static_cast<float>(place.t),
              s.slice);
 
+    // The texels to visit, and their lights in the normal's frame.
     const Visit visit(frame, place, table.caps);
     s.reach.find(nodes, Center(visit.axis), {0, visit.outer});
     along_columns(nodes, x_axis.x, x_axis.y, 0, s.x);
@@ -93,6 +95,7 @@ void isotropic_query(const Nodes& nodes, const Planes& planes, const IsotropicTa
                            static_cast<float>(table.light_intervals),
                            static_cast<float>(table.azimuth_intervals),
                            row};
+    // Row by row: the weights of its texels, then their sum.
     Sum sum;
     for (int i = s.reach.first; i < s.reach.last; ++i) {
         const Arcs arcs = s.reach.columns(nodes, i);

@@ -210,12 +210,14 @@ void find_kernels(const Nodes& nodes, const RadialProfile& profile, SlideScratch
     s.rows.clear();
     s.kernel.clear();
     s.weight.resize(size(round_up(nodes.W, most_lanes)));
+    // Where each cap is in its own list of rows.
     const Row* own[map_rows] = {};
     const Row* end[map_rows] = {};
     for (int r = 0; r < map_rows; ++r) {
         own[r] = s.cap[r].rows.data();
         end[r] = own[r] + s.cap[r].rows.size();
     }
+    // Every row of the picture that any of them visits.
     for (int i = 0; i < nodes.H; ++i) {
         const Row* here[map_rows] = {};
         Row widest = {i, 0, 0};

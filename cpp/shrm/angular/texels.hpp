@@ -152,6 +152,7 @@ class Reach {
         const double theta = std::atan2(about.sin_theta, about.cos_theta), rows_per_radian = nodes.H / pi;
         first = std::max(0, static_cast<int>(std::floor((theta - band.outer) * rows_per_radian)));
         last = std::min(nodes.H, static_cast<int>(std::ceil((theta + band.outer) * rows_per_radian)));
+        // Arcs within the outer angle, as columns.
         const std::size_t from = size(first), to = size(last), k = size(nodes.k);
         half_arcs(nodes, about, band.outer, from * k, to * k, outer_);
         of_texels(nodes, outer_, [](double a, double b) { return std::max(a, b); });
@@ -169,6 +170,7 @@ class Reach {
             begins[i] = all ? whole : begin;
             ends[i] = all ? whole + W : outer[i] < 0 ? begin : end;
         }
+        // What lies within the inner angle is left out of them.
         hole_begin_.resize(size(nodes.H));
         hole_end_.resize(size(nodes.H));
         for (std::size_t i = from; i < to; ++i) hole_begin_[i] = hole_end_[i] = end_[i];

@@ -63,6 +63,7 @@ AdaptiveParameterization::AdaptiveParameterization(std::span<const double> theta
       vndf_square_(vndf_square),
       values_square_(values_square),
       ndf_square_(ndf_square) {
+    // Integrals of each slice's density by the trapezoidal rule: along rows, then over them; scaled to 1.
     const std::size_t rows = size(vndf_square.rows), columns = size(vndf_square.columns);
     std::vector<double> cumulative(rows * columns), marginal(rows);
     for (std::size_t slice = 0; slice < theta_i.size(); ++slice) {
@@ -88,6 +89,7 @@ AdaptiveParameterization::AdaptiveParameterization(std::span<const double> theta
 }
 
 AdaptiveParameterization::Sample AdaptiveParameterization::sample(double theta_i, double u, double v) const {
+    // Between which two slices.
     Sample s;
     const int slices = static_cast<int>(theta_i_.size());
     s.slice = 0;
@@ -96,6 +98,7 @@ AdaptiveParameterization::Sample AdaptiveParameterization::sample(double theta_i
     const double start = theta_i_[size(s.slice)], step = theta_i_[size(s.next)] - start;
     s.t = step > 0 ? std::clamp((theta_i - start) / step, 0., 1.) : 0;
 
+    // Values of the density's table at (u, v), mixed between rows and slices.
     const std::size_t rows = size(vndf_square_.rows), columns = size(vndf_square_.columns);
     const Place at_u(u, vndf_square_.columns), at_v(v, vndf_square_.rows);
     const std::size_t row = size(at_v.cell), column = size(at_u.cell);
@@ -111,6 +114,7 @@ AdaptiveParameterization::Sample AdaptiveParameterization::sample(double theta_i
         const std::size_t last = (k + 1) * columns - 1;
         return mix(vndf_[first + last].cumulative, vndf_[second + last].cumulative, s.t);
     };
+    // The cumulative distributions there: along the row for x, over the rows for y.
     const double left = at_row(&Node::density, column), right = at_row(&Node::density, column + 1);
     const double total0 = row_total(0), total1 = row_total(1), total = mix(total0, total1, at_v.t);
     const double up_to = at_row(&Node::cumulative, column) + at_u.t * mix(left, right, 0.5 * at_u.t);

@@ -67,11 +67,13 @@ Pyramid::Pyramid(std::span<const float> pixels, int H, int W) {
     int N = 1;
     while (2. * N * N < double(H) * W / pi) N *= 2;
 
+    // Azimuths of the columns, which all rows share.
     std::vector<glm::dvec2> column(size(W));
     for (int j = 0; j < W; ++j) {
         const double phi = pi - 2 * pi * (j + 0.5) / W;
         column[size(j)] = {std::cos(phi), std::sin(phi)};
     }
+    // Every texel that is not black, with its power, and the cell that it lies in.
     std::vector<std::uint32_t> cell;
     std::vector<Node> found;
     cell.reserve(size(H) * size(W));
@@ -95,7 +97,7 @@ Pyramid::Pyramid(std::span<const float> pixels, int H, int W) {
         }
     }
 
-    // Texels cell by cell.
+    // Sorted cell by cell, by counting.
     begin_.assign(2 * size(N) * size(N) + 1, 0);
     for (std::uint32_t k : cell) ++begin_[k + 1];
     for (std::size_t k = 1; k < begin_.size(); ++k) begin_[k] += begin_[k - 1];
@@ -103,6 +105,7 @@ Pyramid::Pyramid(std::span<const float> pixels, int H, int W) {
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
     for (std::size_t k = 0; k < found.size(); ++k) texels_[next[cell[k]]++] = found[k];
 
+    // The nodes from the finest level up, each from its four children.
     std::size_t count = 0;
     for (int n = 1; n <= N; n *= 2) {
         first_.push_back(count);

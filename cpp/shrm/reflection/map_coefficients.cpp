@@ -22,6 +22,7 @@ MapCoefficients::MapCoefficients(int F, int P, int channels, bool zonal)
 
 // Lists every term of every sum, then computes the couplings.
 void MapCoefficients::couple() {
+    // Which terms there are, and where their couplings and shapes will lie.
     maps_.resize(size(degree() + 1));
     std::size_t couplings = 0, factors = 0;
     for (int j = 0; j <= degree(); ++j)
@@ -48,6 +49,7 @@ void MapCoefficients::couple() {
     coupling_.resize(couplings);
     shape_factor_.assign(factors, 0);
 
+    // Couplings, and the factors of shapes, in their places.
     const ClebschGordan clebsch_gordan(2 * degree() + 1);
 #pragma omp parallel for schedule(dynamic)
     for (int j = 0; j <= degree(); ++j)
@@ -124,6 +126,7 @@ void MapCoefficients::sum_degree(int j, double* b, double* coefficients) const {
 
 void MapCoefficients::run(std::span<const double> light, std::span<double> coefficients) {
     const std::size_t n = size(channels_);
+    // Of a series about C every coefficient is a product.
     if (zonal_) {
         const std::size_t width = size(P_ + 1) * n;
         for (int l = 0; l <= F_; ++l)
@@ -147,6 +150,7 @@ void MapCoefficients::run(std::span<const double> light, std::span<double> coeff
                 re[-m] = sign * re[m];
                 im[-m] = m ? -sign * im[m] : 0;
             }
+            // One degree after the other, the longest first.
 #pragma omp parallel
     {
         std::vector<double>& b = b_[size(omp_get_thread_num())];

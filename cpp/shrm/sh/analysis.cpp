@@ -127,12 +127,14 @@ Analysis::Analysis(int H, int W, int channels, int F, Texel texel, Tables tables
         const double half = m * step / 2, sinc = m == 0 || texel == Texel::sample ? 1 : std::sin(half) / half;
         order_weight_.push_back(step * sinc * (m ? std::numbers::sqrt2 : 1));
     }
+    // Where each of the Fourier transform's modes goes; -1 where it has none.
     modes_.assign(size(F + 1) * size(4 * channels) * size(padded_), 0);
     place_.assign(size(fourier_.mode_pitch()), -1);
     for (int m = 0; m <= F; ++m)
         for (int s = 0; s < 2; ++s)
             place_[fourier_.mode_at(s == 1, m)] = std::ptrdiff_t(4 * m + s) * channels * padded_;
 
+    // The Legendre functions of all orders, if they are to be kept and are not too many.
     if (tables == Tables::kept && row_size(F + 1) * sizeof(float) <= largest_kept_table) {
         table_.resize(row_size(F + 1));
 #pragma omp parallel
@@ -156,6 +158,7 @@ void Analysis::fourier_step(const float* pixels, int first_ring, Scratch& scratc
     scratch.planar.resize(2 * ring);
     scratch.folded.resize(size(fourier_.folds() * rows) * size(fourier_.pitch()));
     scratch.modes.resize(size(rows) * size(fourier_.mode_pitch()));
+    // Rings folded about their symmetries, a northern one together with its mirror image.
     const int count = std::min(pairs_, rings_ - first_ring);
     float *sum = scratch.planar.data(), *difference = sum + ring;
     for (int i = 0; i < count; ++i) {
@@ -221,12 +224,14 @@ void Analysis::legendre_rows(int m, Scratch& scratch, float* rows) const {
 
 // L_lm, the integral over theta: [RH02] section 6.1, second step, for one order.
 void Analysis::legendre_step(int m, Scratch& scratch, double* coefficients) {
+    // The order's Legendre functions, from the table or computed anew.
     const float* rows = table_.data() + row_size(m);
     if (table_.empty()) {
         scratch.legendre.resize(size(F_ + 1 - m) * size(padded_));
         legendre_rows(m, scratch, scratch.legendre.data());
         rows = scratch.legendre.data();
     }
+    // Products with the modes of their own parity, several degrees and two modes at a time.
     constexpr int I = 4;  // degrees whose sums stay in registers
     for (int parity = 0; parity < 2; ++parity)
         for (int l0 = m + parity; l0 <= F_; l0 += 2 * I)

@@ -90,8 +90,8 @@ CubeSynthesis::CubeSynthesis(int N, int channels, int F)
     // The octant's texels: of each pair of opposite faces a quarter of one, row by row.
     const int half = side_ / 2;
     const auto at = [this](int face, int row, int column) {
-        const auto centerd = [this](int i) { return (2.0 * i + 1 - side_) / (side_ - 2 * cube_border); };
-        return cube_direction(face, centerd(column), centerd(row));
+        const auto centered = [this](int i) { return (2.0 * i + 1 - side_) / (side_ - 2 * cube_border); };
+        return cube_direction(face, centered(column), centered(row));
     };
     for (int face = 0; face < 6; face += 2)
         for (int row = half; row < side_; ++row)

@@ -220,12 +220,14 @@ SHRM_KERNEL inline void RingFourier::synthesise_channels(const float* modes, int
     // The folds have as many orders each, or one more where they are even.
     const int common = folds_[size(order_step() - 1)].orders;
     for (int k = 0; k < K_; k += V * lanes) {
+        // Each fold's modes and rows of cosines or sines.
         const float *h[Folds], *table[Folds];
         for (int t = 0; t < Folds; ++t) {
             const Fold& f = folds_[size(t)];
             h[t] = modes + f.first * stride + (f.sine ? channels : 0);
             table[t] = f.by_order.data() + k;
         }
+        // The sums over orders, of all folds at once.
         Floats sums[Folds][Channels][V] = {};
         const auto add = [&](auto t) {
             unrolled<V>([&](auto v) {
@@ -241,6 +243,7 @@ SHRM_KERNEL inline void RingFourier::synthesise_channels(const float* modes, int
             if (folds_[size(t)].orders > common) add(t);
         });
 
+        // Unfolded: sums and differences of folds are texels of the ring's halves or quarters.
         unrolled<Channels>([&](auto c) {
             unrolled<V>([&](auto v) {
                 const int at = k + v * lanes, count = K_ - at;

@@ -68,6 +68,7 @@ void Rotation::rotate_order(int m, const double* turned, double* sums) const {
     const int rows = 2 * channels_;
     std::fill_n(sums, size(F_ + 1) * size(rows * block), 0.);
     for (int q0 = 0; q0 <= F_; q0 += block) {
+        // d of q and e of -q, the signs of (-1)^q.
         d8 d = {}, e = {}, before_d = {}, before_e = {}, sign, q;
         for (int i = 0; i < block; ++i) {
             sign[i] = i % 2 ? -1 : 1;
@@ -110,6 +111,7 @@ void Rotation::rotate_order(int m, const double* turned, double* sums) const {
 
 void Rotation::run(std::span<const double> coefficients, const glm::dmat3& R, std::span<double> rotated) {
     if (sums_.size() < size(omp_get_max_threads())) sums_.resize(size(omp_get_max_threads()));
+    // Powers of the half angle's cosine and sine, with which the recurrences start.
     const auto [beta, alpha, gamma] = euler_angles(R);
     const std::size_t n = size(channels_), width = size(width_);
     angle_.x = std::cos(alpha);
@@ -135,6 +137,7 @@ void Rotation::run(std::span<const double> coefficients, const glm::dmat3& R, st
                     to[width] = value.imag();
                 }
         }
+        // e^{-i m beta} times the sums over q, back in the real basis.
 #pragma omp for schedule(dynamic)
         for (int m = 0; m <= F_; ++m) {
             rotate_order(m, turned_.data(), sums.data());

@@ -51,6 +51,7 @@ CompressedTransfer::CompressedTransfer(const TransferValues& weights, std::span<
       terms_(terms),
       half_(weights.floats.empty()),
       clusters_(clusters.begin(), clusters.end()) {
+    // The weights of the first K components of each vertex, padded with zeros.
     const auto pack = [&](const auto* from, auto& to) {
         to.resize(size(vertices) * size(K_) + lanes);
         for (std::size_t p = 0; p < size(vertices); ++p)
@@ -61,6 +62,7 @@ CompressedTransfer::CompressedTransfer(const TransferValues& weights, std::span<
     else
         pack(weights.floats.data(), weights_);
 
+    // The components' coefficients, components last.
     const std::size_t rows = size(M * M) * size(channels * terms);
     components_.resize(size(Q) * rows * size(K_) + lanes);
     for (std::size_t q = 0; q < size(Q); ++q)
@@ -108,6 +110,7 @@ void CompressedTransfer::light(const TransferSurface& surface, std::span<const f
         }
         found.copy(count, &radiance[3 * size(first)]);
     };
+    // First all components under the light, then all vertices from them.
     const auto nodes = static_cast<std::ptrdiff_t>(size(Q_) * size(M_ * M_));
 #pragma omp parallel
     {

@@ -93,12 +93,14 @@ void sum_over_visible(const VisibleSizes& sizes, std::span<const float> rays,
         std::vector<float> sums(size(terms) * tile), turned(size(terms) * tile);
 #pragma omp for schedule(dynamic, 4)
         for (int p = 0; p < sizes.vertices; ++p) {
+            // The directions that the vertex sees.
             std::size_t count = 0;
             for (int k = 0; k < sizes.directions; ++k) {
                 seen[count] = k;
                 count += visible[size(p) * size(sizes.directions) + size(k)] != 0;
             }
             float* product = &products[size(p) * size(sizes.rows) * size(terms)];
+            // Tile by tile of rows: sums over those directions, turned into the vertex's frame if asked.
             for (int t = 0; t < tiles.count(); ++t) {
                 for (int s = 0; s < shares; ++s) {
                     const int first = s * terms / shares, end = (s + 1) * terms / shares;
