@@ -45,23 +45,17 @@ Array<double> interpolate_angles(const Array<T>& table, const std::string& axes,
     const AngleAxes of_table =
         axes_of(axes, {extent(table, 0), extent(table, 1), extent(table, 2)}, square_root, centers);
     const DirectionPairs pairs = pairs_of(wi, wo);
-    auto values = allocate<double>({wi.shape(0), channels});
-    const auto in = view(table);
-    const auto out = view(values);
-    const py::gil_scoped_release release;
-    shrm::interpolate<T>(of_table, channels, in, pairs, out);
-    return values;
+    return filled<double>({wi.shape(0), channels}, [&](std::span<double> values) {
+        shrm::interpolate<T>(of_table, channels, view(table), pairs, values);
+    });
 }
 
 Array<std::int64_t> nearest_angles(const std::array<int, 3>& shape, const std::string& axes, bool square_root,
                                    bool centers, const Directions& wi, const Directions& wo) {
     const AngleAxes of_table = axes_of(axes, shape, square_root, centers);
     const DirectionPairs pairs = pairs_of(wi, wo);
-    Array<std::int64_t> nodes(wi.shape(0));
-    const auto out = view(nodes);
-    const py::gil_scoped_release release;
-    nearest_nodes(of_table, pairs, out);
-    return nodes;
+    return filled<std::int64_t>(
+        {wi.shape(0)}, [&](std::span<std::int64_t> nodes) { nearest_nodes(of_table, pairs, nodes); });
 }
 
 AdaptiveParameterization::Square square(const py::array& array, const char* name, int rows, int columns) {
@@ -93,11 +87,8 @@ std::unique_ptr<AdaptiveParameterization> adaptive_parameterization(const Array<
 template <void (AdaptiveParameterization::*method)(const DirectionPairs&, std::span<double>) const>
 Array<double> of_pairs(const AdaptiveParameterization& table, const Directions& wi, const Directions& wo) {
     const DirectionPairs pairs = pairs_of(wi, wo);
-    auto result = allocate<double>({wi.shape(0), 3});
-    const auto out = view(result);
-    const py::gil_scoped_release release;
-    (table.*method)(pairs, out);
-    return result;
+    return filled<double>({wi.shape(0), 3},
+                          [&](std::span<double> values) { (table.*method)(pairs, values); });
 }
 
 }  // namespace

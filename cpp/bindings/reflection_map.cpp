@@ -26,15 +26,13 @@ Orders require_orders(const Array<double>& light, const Array<double>& rho) {
 }
 
 Array<float> local_reflection_map(const Array<double>& light, const Array<double>& rho, int H, int W) {
-    const auto [F, P, channels] = require_orders(light, rho);
+    const Orders orders = require_orders(light, rho);
+    const int F = orders.F, P = orders.P, channels = orders.channels;
     require_at_least("H", H, 1);
     require_at_least("W", W, 1);
-    auto rings = allocate<float>({H, ssize(basis_size(P)), channels, W});
-    const auto L = view(light), r = view(rho);
-    const auto out = view(rings);
-    const py::gil_scoped_release release;
-    shrm::local_reflection_map(L, r, F, P, channels, H, W, out);
-    return rings;
+    return filled<float>({H, ssize(basis_size(P)), channels, W}, [&](std::span<float> rings) {
+        shrm::local_reflection_map(view(light), view(rho), F, P, channels, H, W, rings);
+    });
 }
 
 Array<float> global_from_local(const Array<float>& local) {
@@ -43,24 +41,20 @@ Array<float> global_from_local(const Array<float>& local) {
     const int P = static_cast<int>(std::lround(std::sqrt(static_cast<double>(local.shape(1))))) - 1;
     if (P < 0 || basis_size(P) != static_cast<std::size_t>(local.shape(1)))
         refuse("local", "have (P+1)^2 maps", local.shape(1));
-    auto global = allocate<float>({H, local.shape(1), channels, W});
-    const auto in = view(local);
-    const auto out = view(global);
-    const py::gil_scoped_release release;
-    shrm::global_from_local(in, P, channels, H, W, out);
-    return global;
+    return filled<float>({H, local.shape(1), channels, W}, [&](std::span<float> global) {
+        shrm::global_from_local(view(local), P, channels, H, W, global);
+    });
 }
 
 Array<double> global_coefficients(const Array<double>& light, const Array<double>& rho) {
-    const auto [F, P, channels] = require_orders(light, rho);
-    auto coefficients = allocate<double>({ssize(basis_size(F + P)), ssize(basis_size(P)), channels});
-    const auto L = view(light), r = view(rho);
-    const auto out = view(coefficients);
-    const py::gil_scoped_release release;
-    MapCoefficients map(F, P, channels, false);
-    map.set_material(r);
-    map.run(L, out);
-    return coefficients;
+    const Orders orders = require_orders(light, rho);
+    const int F = orders.F, P = orders.P, channels = orders.channels;
+    const py::ssize_t rows = ssize(basis_size(F + P)), maps = ssize(basis_size(P));
+    return filled<double>({rows, maps, channels}, [&](std::span<double> coefficients) {
+        MapCoefficients map(F, P, channels, false);
+        map.set_material(view(rho));
+        map.run(view(light), coefficients);
+    });
 }
 
 // It works in memory of its own, so it runs for one caller at a time.
@@ -198,11 +192,8 @@ Array<float> explicit_maps(const Array<float>& rings, bool cube, int T) {
     const ReflectionMapView map = require_map(rings, cube, false);
     require_at_least("T", T, 1);
     const int N = map.W - 2 * cube_border;
-    auto pixels = cube ? allocate<float>({T, T, 6, N, N, 3}) : allocate<float>({T, T, map.H, map.W, 3});
-    const auto out = view(pixels);
-    const py::gil_scoped_release release;
-    shrm::explicit_maps(map, T, out);
-    return pixels;
+    const auto fill = [&](std::span<float> pixels) { shrm::explicit_maps(map, T, pixels); };
+    return cube ? filled<float>({T, T, 6, N, N, 3}, fill) : filled<float>({T, T, map.H, map.W, 3}, fill);
 }
 
 void to_half(const Array<float>& rings, py::array& halves) {

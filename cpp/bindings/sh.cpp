@@ -20,12 +20,9 @@ Array<double> analysis(const Array<float>& pixels, int F, bool areas) {
     require_shape(pixels, "pixels", {any, any, any});
     require_at_least("F", F, 0);
     const int H = extent(pixels, 0), W = extent(pixels, 1), channels = extent(pixels, 2);
-    auto coefficients = allocate<double>({ssize(basis_size(F)), channels});
-    const auto in = view(pixels);
-    const auto out = view(coefficients);
-    const py::gil_scoped_release release;
-    Analysis(H, W, channels, F, texel(areas), Tables::transient).run(in, out);
-    return coefficients;
+    return filled<double>({ssize(basis_size(F)), channels}, [&](std::span<double> coefficients) {
+        Analysis(H, W, channels, F, texel(areas), Tables::transient).run(view(pixels), coefficients);
+    });
 }
 
 Array<float> synthesis(const Array<double>& coefficients, int H, int W) {
@@ -33,12 +30,9 @@ Array<float> synthesis(const Array<double>& coefficients, int H, int W) {
     const int channels = extent(coefficients, 1);
     require_at_least("H", H, 1);
     require_at_least("W", W, 1);
-    auto rings = allocate<float>({H, channels, W});
-    const auto in = view(coefficients);
-    const auto out = view(rings);
-    const py::gil_scoped_release release;
-    Synthesis(H, W, channels, F, Tables::transient).run(in, out);
-    return rings;
+    return filled<float>({H, channels, W}, [&](std::span<float> rings) {
+        Synthesis(H, W, channels, F, Tables::transient).run(view(coefficients), rings);
+    });
 }
 
 void require_sizes(int H, int W, int channels) {
@@ -56,12 +50,9 @@ Array<float> cube_synthesis(const Array<double>& coefficients, int N) {
     const int F = degree_of(coefficients, "coefficients");
     const int channels = extent(coefficients, 1), side = N + 2 * cube_border;
     require_even("N", N);
-    auto rings = allocate<float>({6 * side, channels, side});
-    const auto in = view(coefficients);
-    const auto out = view(rings);
-    const py::gil_scoped_release release;
-    CubeSynthesis(N, channels, F).run(in, out);
-    return rings;
+    return filled<float>({6 * side, channels, side}, [&](std::span<float> rings) {
+        CubeSynthesis(N, channels, F).run(view(coefficients), rings);
+    });
 }
 
 // What a plan reads or writes.
@@ -126,13 +117,9 @@ Array<double> evaluate(const Array<double>& coefficients, const Array<double>& d
     const int F = degree_of(coefficients, "coefficients");
     require_shape(directions, "directions", {any, 3});
     const int channels = extent(coefficients, 1);
-    auto values = allocate<double>({directions.shape(0), channels});
-    const auto in = view(coefficients);
-    const auto at = vectors(directions);
-    const auto out = view(values);
-    const py::gil_scoped_release release;
-    shrm::evaluate(in, channels, F, at, out);
-    return values;
+    return filled<double>({directions.shape(0), channels}, [&](std::span<double> values) {
+        shrm::evaluate(view(coefficients), channels, F, vectors(directions), values);
+    });
 }
 
 }  // namespace

@@ -39,13 +39,9 @@ Array<double> sum_of_tents(const Array<double>& coefficients, const Array<double
     require_shape(coefficients, "coefficients", {py::ssize_t(M) * M, any});
     require_shape(directions, "directions", {any, 3});
     const int channels = extent(coefficients, 1);
-    auto values = allocate<double>({directions.shape(0), channels});
-    const auto in = view(coefficients);
-    const auto at = vectors(directions);
-    const auto out = view(values);
-    const py::gil_scoped_release release;
-    evaluate_tents(in, channels, M, at, out);
-    return values;
+    return filled<double>({directions.shape(0), channels}, [&](std::span<double> values) {
+        evaluate_tents(view(coefficients), channels, M, vectors(directions), values);
+    });
 }
 
 Array<double> accumulate(const Array<double>& values, const Array<double>& directions, int M) {
@@ -53,13 +49,9 @@ Array<double> accumulate(const Array<double>& values, const Array<double>& direc
     require_shape(directions, "directions", {any, 3});
     require_shape(values, "values", {directions.shape(0), any});
     const int channels = extent(values, 1);
-    auto sums = allocate<double>({py::ssize_t(M) * M, channels});
-    const auto in = view(values);
-    const auto at = vectors(directions);
-    const auto out = view(sums);
-    const py::gil_scoped_release release;
-    accumulate_tents(in, channels, M, at, out);
-    return sums;
+    return filled<double>({py::ssize_t(M) * M, channels}, [&](std::span<double> sums) {
+        accumulate_tents(view(values), channels, M, vectors(directions), sums);
+    });
 }
 
 }  // namespace

@@ -22,12 +22,9 @@ Array<double> rotate(const Array<double>& coefficients, const Array<double>& R) 
     const int F = degree_of(coefficients, "coefficients");
     const int channels = extent(coefficients, 1);
     const glm::dmat3 rotation = matrix(R);
-    auto rotated = allocate<double>({coefficients.shape(0), channels});
-    const auto in = view(coefficients);
-    const auto out = view(rotated);
-    const py::gil_scoped_release release;
-    Rotation(F, channels).run(in, rotation, out);
-    return rotated;
+    return filled<double>({coefficients.shape(0), channels}, [&](std::span<double> rotated) {
+        Rotation(F, channels).run(view(coefficients), rotation, rotated);
+    });
 }
 
 // It works in memory of its own, so it runs for one caller at a time.
