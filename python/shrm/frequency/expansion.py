@@ -87,8 +87,20 @@ class Expansion:
     def parts(self, env: Environment) -> list[Part]:
         """Return the coefficients of each lobe under a light, with maps of no size yet."""
         light = env.coefficients(self.F)
-        lobes = zip(self.analyses(), self.orders, strict=True)
-        return [_unsampled(lobe, light, F, P, self.window) for lobe, (F, P) in lobes]
+        parts = []
+        for lobe, (F, P) in zip(self.analyses(), self.orders, strict=True):
+            zonal = lobe.kind != "isotropic"
+            part = Part(
+                center=lobe.center,
+                gamma=lobe.gamma,
+                layout="latlong",
+                rings=np.zeros((0, P + 1 if zonal else (P + 1) ** 2, 3, 0), dtype=np.float32),
+                zonal=zonal,
+                light=np.ascontiguousarray(light[: (F + 1) ** 2], dtype=np.float64),
+                rho=windowed(lobe, F, P, self.window),
+            )
+            parts.append(part)
+        return parts
 
 
 def expansion_for(request: Request) -> Expansion:
@@ -98,16 +110,25 @@ def expansion_for(request: Request) -> Expansion:
     -----
     ToleranceWarning
         If the tolerance cannot be met within the caps, and nothing is to be split off.
-
-    Raises
-    ------
-    ValueError
-        If the maps or coefficients would take more than `LARGEST_BYTES`.
     """
-    expansion = _with_orders(request)
-    for lobe, (F, P) in zip(expansion.smooth.lobes, expansion.orders, strict=True):
-        _require_memory(F, P, not isinstance(lobe, IsotropicLobe), request.size, request.layout)
-    return expansion
+    env, brdf, tolerance, caps = request.env, request.brdf, request.tolerance, (request.F_max, request.P_max)
+    if request.orders is None:
+        chosen = smallest_orders(env, brdf, tolerance, request.criterion, *caps)
+        if request.residual is None or not chosen.limited_by:
+            if chosen.limited_by:
+                text = limit_text(chosen, brdf, tolerance, request.criterion, *caps)
+                warnings.warn(text, ToleranceWarning, stacklevel=4)
+            orders = tuple((lobe.F, lobe.P) for lobe in chosen.lobes)
+            analysed_to = analysis_degree(chosen.F, request.F_max), request.P_max
+            return _expansion(request, brdf, None, orders, analysed_to)
+    elif request.residual is None:
+        F, P = request.orders
+        orders = tuple((F, 0 if isinstance(lobe, RadialLobe) else P) for lobe in brdf.lobes)
+        return _expansion(request, brdf, None, orders, request.orders)
+
+    # The largest orders do not hold the material, or a residual goes with those that are given.
+    split = split_material(env, brdf, tolerance, request.orders or caps, fixed=request.orders is not None)
+    return _expansion(request, split.smooth, split.cores, split.orders, split.analysed_to)
 
 
 def windowed(lobe: LobeAnalysis, F: int, P: int, window: Window | None) -> FloatArray:
@@ -126,28 +147,6 @@ def degree_window(name: Window | None, F: int) -> FloatArray:
     return np.ones(F + 1)
 
 
-def _with_orders(request: Request) -> Expansion:
-    """The orders of a request, given or chosen, and what is split off."""
-    env, brdf, tolerance, caps = request.env, request.brdf, request.tolerance, (request.F_max, request.P_max)
-    if request.orders is None:
-        chosen = smallest_orders(env, brdf, tolerance, request.criterion, *caps)
-        if request.residual is None or not chosen.limited_by:
-            if chosen.limited_by:
-                text = limit_text(chosen, brdf, tolerance, request.criterion, *caps)
-                warnings.warn(text, ToleranceWarning, stacklevel=5)
-            orders = tuple((lobe.F, lobe.P) for lobe in chosen.lobes)
-            analysed_to = analysis_degree(chosen.F, request.F_max), request.P_max
-            return _expansion(request, brdf, None, orders, analysed_to)
-    elif request.residual is None:
-        F, P = request.orders
-        orders = tuple((F, 0 if isinstance(lobe, RadialLobe) else P) for lobe in brdf.lobes)
-        return _expansion(request, brdf, None, orders, request.orders)
-
-    # The largest orders do not hold the material, or a residual goes with those that are given.
-    split = split_material(env, brdf, tolerance, request.orders or caps, fixed=request.orders is not None)
-    return _expansion(request, split.smooth, split.cores, split.orders, split.analysed_to)
-
-
 def _expansion(
     request: Request,
     smooth: BRDF,
@@ -161,22 +160,14 @@ def _expansion(
     )
 
 
-def _unsampled(lobe: LobeAnalysis, light: FloatArray, F: int, P: int, window: Window | None) -> Part:
-    """A part with its coefficients, and maps of no size."""
-    zonal = lobe.kind != "isotropic"
-    return Part(
-        center=lobe.center,
-        gamma=lobe.gamma,
-        layout="latlong",
-        rings=np.zeros((0, P + 1 if zonal else (P + 1) ** 2, 3, 0), dtype=np.float32),
-        zonal=zonal,
-        light=np.ascontiguousarray(light[: (F + 1) ** 2], dtype=np.float64),
-        rho=windowed(lobe, F, P, window),
-    )
+def require_memory(expansion: Expansion, size: int | None, layout: Layout) -> None:
+    """Raise ValueError if the maps or coefficients of a lobe would take more than `LARGEST_BYTES`."""
+    for lobe, (F, P) in zip(expansion.smooth.lobes, expansion.orders, strict=True):
+        _require_memory(F, P, not isinstance(lobe, IsotropicLobe), size, layout)
 
 
 def _require_memory(F: int, P: int, zonal: bool, size: int | None, layout: Layout) -> None:
-    """Raise ValueError if a lobe's maps or coefficients are larger than `LARGEST_BYTES`."""
+    """Raise ValueError if one lobe's would."""
     maps = P + 1 if zonal else (P + 1) ** 2
     coefficients = 8 * 3 * maps * (F + 1 if zonal else F + P + 1) ** 2
     texels = 0 if size is None else size * size * (2 if layout == "latlong" else 6)

@@ -30,9 +30,9 @@ from shrm import image_io
 from shrm.arrays import FloatArray, IntArray
 from shrm.brdf.lobe import Center
 from shrm.files import PathLike
-from shrm.frequency.part import CoefficientMaps, Part, order_of
+from shrm.frequency.part import CoefficientMaps, Part, order_of, synthesised
 from shrm.frequency.residual_file import read_residual, residual_parts
-from shrm.frequency.rings import BORDER, synthesised
+from shrm.frequency.rings import BORDER
 from shrm.image_io import ImageError
 from shrm.integrate.residual import Residual
 from shrm.lobes.reflection import Layout, map_names

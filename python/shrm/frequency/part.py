@@ -19,7 +19,7 @@ import numpy as np
 
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
-from shrm.frequency.rings import Interpolation, Rings, halved, synthesised
+from shrm.frequency.rings import BORDER, Interpolation, Rings, halved
 from shrm.lobes.reflection import Layout
 from shrm.sh import basis_size, degree_of
 
@@ -163,6 +163,17 @@ class Part(CoefficientMaps):
         `size` is the rows of a lat-long map, or of a cube's face.
         """
         return replace(self, layout=layout, rings=synthesised(self.coefficients, size, layout))
+
+
+def synthesised(coefficients: FloatArray, size: int, layout: Layout) -> Float32Array:
+    """Return the rings (H, maps, 3, W) of maps from their coefficients, ((J+1)^2, maps, 3)."""
+    count, maps = coefficients.shape[:2]
+    columns = np.ascontiguousarray(coefficients.reshape(count, maps * 3))
+    if layout == "latlong":
+        rings = _core.synthesis(coefficients=columns, H=size, W=2 * size)
+        return np.asarray(rings).reshape(size, maps, 3, 2 * size)
+    rings = _core.cube_synthesis(coefficients=columns, N=size)
+    return np.asarray(rings).reshape(len(rings), maps, 3, size + 2 * BORDER)
 
 
 def zonal_harmonics(P: int, cosine: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from shrm.frequency.expansion import Expansion, expansion_for
+from shrm.frequency.expansion import Expansion, expansion_for, require_memory
 from shrm.frequency.interpolation import interpolation_error, map_spectrum, measured_interpolation_error
 from shrm.frequency.orders import ToleranceWarning
 from shrm.frequency.part import Part
@@ -93,6 +93,7 @@ def prefilter(request: Request) -> ReflectionMap:
 
 def reflection_map(request: Request, expansion: Expansion) -> ReflectionMap:
     """Return the reflection map of an expansion that was made for a request."""
+    require_memory(expansion, request.size, request.layout)
     truncation = Truncation(request.env, expansion)
     parts = _sampled(request, expansion, truncation)
     residual, cores_error = _residual(request, expansion, truncation, parts)

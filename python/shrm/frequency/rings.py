@@ -149,14 +149,3 @@ def require_half_range(rings: Float32Array) -> None:
     largest = _core.largest_magnitude(rings)
     if largest > float(np.finfo(np.float16).max):
         raise ValueError(f"half floats end at 65504, and the maps reach {largest:.3g}: use half=False")
-
-
-def synthesised(coefficients: FloatArray, size: int, layout: Layout) -> Float32Array:
-    """Return the rings (H, maps, 3, W) of maps from their coefficients, ((J+1)^2, maps, 3)."""
-    count, maps = coefficients.shape[:2]
-    columns = np.ascontiguousarray(coefficients.reshape(count, maps * 3))
-    if layout == "latlong":
-        rings = _core.synthesis(coefficients=columns, H=size, W=2 * size)
-        return np.asarray(rings).reshape(size, maps, 3, 2 * size)
-    rings = _core.cube_synthesis(coefficients=columns, N=size)
-    return np.asarray(rings).reshape(len(rings), maps, 3, size + 2 * BORDER)
