@@ -89,10 +89,8 @@ def bench_phong_texels(benchmark: Any, about: dict[str, Any], peak: Peak, s: int
     """[RH02] section 7.4: for every texel of the map, every texel of the environment within the width."""
     env = Environment(Environment.daylight(size=128).pixels)
 
-    def prepared(tolerance: float = 0.05) -> AngularReflection:
-        return prefilter_angular(
-            env, brdf.Phong(s), tolerance=tolerance, size=128, subsamples=1, symmetry=symmetry
-        )
+    def prepared(cutoff: float = 0.05) -> AngularReflection:
+        return prefilter_angular(env, brdf.Phong(s), cutoff=cutoff, size=128, subsamples=1, symmetry=symmetry)
 
     exact = prepared(0.0).at_view(VIEW)
     method = "by symmetry" if symmetry else "every pair"
@@ -116,10 +114,8 @@ def bench_microfacet_texels(
     """A map for one view; the lobe's shape changes over it, so that only half vectors can be shared."""
     env, material = Environment(Environment.daylight(size=128).pixels), brdf.Microfacet(sigma)
 
-    def prepared(tolerance: float = 0.05) -> AngularReflection:
-        return prefilter_angular(
-            env, material, tolerance=tolerance, size=128, subsamples=1, symmetry=symmetry
-        )
+    def prepared(cutoff: float = 0.05) -> AngularReflection:
+        return prefilter_angular(env, material, cutoff=cutoff, size=128, subsamples=1, symmetry=symmetry)
 
     exact = prepared(0.0).at_view(VIEW)
     method = "half vectors shared" if symmetry else "every pair"

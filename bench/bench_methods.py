@@ -9,10 +9,17 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from inputs import frames, relative_rms
-from shrm import Environment, ToleranceWarning, brdf, prefilter, prefilter_angular, prefilter_hierarchical
+from shrm import (
+    Environment,
+    ToleranceWarning,
+    brdf,
+    cheapest,
+    prefilter,
+    prefilter_angular,
+    prefilter_hierarchical,
+)
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.integrate.angular import integrate
-from shrm.methods.cost import ANGULAR_SHARE
 from shrm.prefiltered import Anisotropic, Cabral, Diffuse, KautzMcCool2D, KautzMcCool3D, Phong
 from shrm.prefiltered import prefilter as prefilter_explicit
 from shrm.viewer import Context, ContextError, HardwarePrefilter, offscreen
@@ -159,8 +166,8 @@ def crossing(light: Environment, material: brdf.GGX) -> Row:
     view = [0.48, 0.6, 0.64]
     makers: dict[str, Callable[[], Any]] = {
         "frequency": lambda: prefilter(light, material, tolerance=TOLERANCE, size=64),
-        "angular": lambda: prefilter_angular(light, material, tolerance=ANGULAR_SHARE * TOLERANCE, size=64),
-        "hierarchical": lambda: prefilter_hierarchical(light, material, error=TOLERANCE, size=64),
+        "angular": lambda: prefilter_angular(light, material, tolerance=TOLERANCE, size=64),
+        "hierarchical": lambda: prefilter_hierarchical(light, material, tolerance=TOLERANCE, size=64),
     }
     made: dict[str, tuple[Any, float, float]] = {}
     with warnings.catch_warnings():
@@ -170,7 +177,6 @@ def crossing(light: Environment, material: brdf.GGX) -> Row:
             _, again = timed(lambda of=found: of.maps_at_view(view))  # type: ignore[misc]
             made[name] = found, seconds + again, again
         orders = makers["frequency"]()
-        chosen = prefilter(light, material, tolerance=TOLERANCE, size=64, method="auto")
     n = N[N @ view > 0.05][:200]
     v = np.broadcast_to(view, n.shape)
     exact = prefilter_angular(light, material, subsamples=1).radiance(n, v)
@@ -178,19 +184,12 @@ def crossing(light: Environment, material: brdf.GGX) -> Row:
         "light": "{1} x {0}".format(*light.pixels.shape),
         "alpha": material.alpha,
         "orders": f"{orders.F}, {orders.P}",
-        "auto": KINDS[type(chosen).__name__],
+        "auto": cheapest(light, material, tolerance=TOLERANCE, size=64),
         **{
             name: {"seconds": first, "view": again, "error": relative_rms(found.radiance(n, v), exact)}
             for name, (found, first, again) in made.items()
         },
     }
-
-
-KINDS = {
-    "ReflectionMap": "frequency",
-    "AngularReflection": "angular",
-    "HierarchicalReflection": "hierarchical",
-}
 
 
 def timed(call: Callable[[], Any]) -> tuple[Any, float]:

@@ -17,12 +17,13 @@ from shrm import brdf, prefiltered, sh, transfer
 from shrm.environment import Environment
 from shrm.frequency import orders
 from shrm.frequency.orders import ToleranceWarning
+from shrm.frequency.prefilter import prefilter
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.frequency.relight import Prefilter
 from shrm.image_io import ImageError, ImageWarning
 from shrm.integrate.angular import prefilter_angular
 from shrm.integrate.hierarchical import prefilter_hierarchical
-from shrm.methods.auto import prefilter
+from shrm.methods.cost import cheapest
 from shrm.prefiltered import explicit
 from shrm.version import __version__ as __version__
 
@@ -34,6 +35,7 @@ __all__ = [
     "ReflectionMap",
     "ToleranceWarning",
     "brdf",
+    "cheapest",
     "explicit",
     "orders",
     "prefilter",

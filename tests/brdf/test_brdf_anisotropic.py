@@ -179,8 +179,7 @@ def test_the_integrator_turns_the_frame_to_the_tangent():
     [
         lambda env, m: shrm.prefilter(env, m),
         lambda env, m: shrm.prefilter(env, m, orders=(8, 2)),
-        lambda env, m: shrm.prefilter(env, m, method="auto"),
-        lambda env, m: shrm.prefilter(env, m, method="angular"),
+        lambda env, m: shrm.cheapest(env, m),
         lambda env, m: shrm.prefilter_angular(env, m),
         lambda env, m: shrm.prefilter_hierarchical(env, m),
         lambda env, m: prefiltered.prefilter(env, m),

@@ -31,12 +31,12 @@ for layout in ("latlong", "cube"):
     results[layout] = rm.parts[1].rings
     results[layout + " radiance"] = rm.radiance(N, V)
 results["local"] = rm.parts[1].local_maps(16)
-results["angular"] = prefilter_angular(env, material, tolerance=0.01).radiance(N[:20], V[:20])
+results["angular"] = prefilter_angular(env, material, cutoff=0.01).radiance(N[:20], V[:20])
 for symmetry in (True, False):
     lobe = brdf.Phong(32)
-    maps = prefilter_angular(env, lobe, tolerance=0.05, size=24, subsamples=1, symmetry=symmetry)
+    maps = prefilter_angular(env, lobe, cutoff=0.05, size=24, subsamples=1, symmetry=symmetry)
     results[f"angular map {symmetry}"] = maps.at_view([0, 0, 1])
-facets = prefilter_angular(env, brdf.Microfacet(0.2), tolerance=0.05, size=16, subsamples=1)
+facets = prefilter_angular(env, brdf.Microfacet(0.2), cutoff=0.05, size=16, subsamples=1)
 results["half-angle map"] = facets.at_view([0.6, 0, 0.8])
 sharp = prefilter(env, brdf.GGX(0.05, f0=(1.0, 0.8, 0.3)), orders=(8, 2), size=16, residual="auto")
 results["residual"] = sharp.residual.radiance(N, V)

@@ -126,10 +126,10 @@ def test_white_furnace():
             assert_allclose(result.radiance(n[None], v)[0], oracles.albedo(transfer, wo), rtol=5e-3)
 
 
-@pytest.mark.parametrize("tolerance", [0.01, 0.05, 0.3])
-def test_truncation_leaves_out_what_it_may(tolerance):
+@pytest.mark.parametrize("cutoff", [0.01, 0.05, 0.3])
+def test_truncation_leaves_out_what_it_may(cutoff):
     # Under constant light the loss is the part of the lobe's integral that was left out: at most the
-    # tolerance, and not much less where texels (with their nodes) are small against the cap.
+    # cutoff, and not much less where texels (with their nodes) are small against the cap.
     env = environment(np.ones((64, 128, 3)))
     normals, views = oracles.random_views(16, seed=6)
     tangents, _, hair_views = oracles.random_hairs(16, seed=6)
@@ -144,20 +144,20 @@ def test_truncation_leaves_out_what_it_may(tolerance):
     ]
     for lobe, query, slack in cases:
         whole = prefilter_angular(env, material(lobe), subsamples=2).radiance(*query)
-        part = prefilter_angular(env, material(lobe), subsamples=2, tolerance=tolerance).radiance(*query)
+        part = prefilter_angular(env, material(lobe), subsamples=2, cutoff=cutoff).radiance(*query)
         loss = 1 - part / whole
         assert loss.min() > -1e-5
-        assert loss.max() < tolerance + slack + 1e-5
-        assert loss.max() > 0.5 * tolerance
+        assert loss.max() < cutoff + slack + 1e-5
+        assert loss.max() > 0.5 * cutoff
 
 
 def test_truncation_follows_appendix_d():
-    # Half a sky dark, half bright: the tolerance bounds the error by the light left out over all the light.
+    # Half a sky dark, half bright: the cutoff bounds the error by the light left out over all the light.
     pixels = np.zeros((64, 128, 3))
     pixels[:, 64:] = 1
     normals, views = oracles.random_views(32, seed=7)
     whole, part = (
-        prefilter_angular(environment(pixels), material(phong(32)), tolerance=t).radiance(normals, views)
+        prefilter_angular(environment(pixels), material(phong(32)), cutoff=t).radiance(normals, views)
         for t in (0.0, 0.05)
     )
     # Texels of 0.05 rad are in or out as their centers are: part of a ring about a cap of 0.43 rad.
@@ -168,10 +168,10 @@ def test_truncation_follows_appendix_d():
 @pytest.mark.parametrize(
     ("lobe", "map_size"), [(phong(8), 16), (phong(200), 20), (lambert([0.1, 0.5, 1]), 9), (phong(8), 64)]
 )
-@pytest.mark.parametrize("tolerance", [0.0, 0.02])
-def test_a_map_is_the_integral_at_its_texels(lobe, map_size, tolerance):
+@pytest.mark.parametrize("cutoff", [0.0, 0.02])
+def test_a_map_is_the_integral_at_its_texels(lobe, map_size, cutoff):
     pixels = noise(24, 48)
-    result = prefilter_angular(environment(pixels), material(lobe), size=map_size, tolerance=tolerance)
+    result = prefilter_angular(environment(pixels), material(lobe), size=map_size, cutoff=cutoff)
     C = oracles.directions(map_size, 2 * map_size).reshape(-1, 3)
     # With V = N = C every center is C.
     direct = result.radiance(C, C)
@@ -179,13 +179,13 @@ def test_a_map_is_the_integral_at_its_texels(lobe, map_size, tolerance):
 
 
 @pytest.mark.parametrize("k", [1, 2])
-@pytest.mark.parametrize("tolerance", [0.0, 0.05])
+@pytest.mark.parametrize("cutoff", [0.0, 0.05])
 @pytest.mark.parametrize(
     ("lobe", "size"), [(phong(8), 24), (phong(512), 48), (lambert([0.1, 0.5, 1]), 12), (phong(60), 36)]
 )
-def test_symmetry_only_saves_work(lobe, size, tolerance, k):
+def test_symmetry_only_saves_work(lobe, size, cutoff, k):
     # Columns of the map and of the picture 48 wide: as many, twice, half and 3/2 as many.
-    env, options = environment(noise(24, 48)), {"size": size, "tolerance": tolerance, "subsamples": k}
+    env, options = environment(noise(24, 48)), {"size": size, "cutoff": cutoff, "subsamples": k}
     by_symmetry, every_pair = (
         prefilter_angular(env, material(lobe), symmetry=s, **options).at_view([0, 0, 1])
         for s in (True, False)
@@ -194,14 +194,14 @@ def test_symmetry_only_saves_work(lobe, size, tolerance, k):
 
 
 @pytest.mark.parametrize("k", [1, 2])
-@pytest.mark.parametrize("tolerance", [0.0, 0.05])
+@pytest.mark.parametrize("cutoff", [0.0, 0.05])
 @pytest.mark.parametrize("sigma", [0.1, 0.5])
 @pytest.mark.parametrize(("H", "W"), [(24, 48), (9, 25)])
-def test_sharing_half_vectors_only_saves_work(sigma, tolerance, k, H, W):
+def test_sharing_half_vectors_only_saves_work(sigma, cutoff, k, H, W):
     env, view = environment(noise(H, W)), np.array([0.6, 0, 0.8])
     lobe = material(isotropic(oracles.microfacet(sigma)))
     shared, every_pair = (
-        prefilter_angular(env, lobe, size=16, tolerance=tolerance, subsamples=k, symmetry=s).at_view(view)
+        prefilter_angular(env, lobe, size=16, cutoff=cutoff, subsamples=k, symmetry=s).at_view(view)
         for s in (True, False)
     )
     # Half vectors are the same to rounding; z = 1 + g^2 |H - N|^2 magnifies it for sharp lobes.
@@ -217,7 +217,7 @@ def test_the_sum_visits_its_caps(sigma):
     def seen(pixels, n, v):
         lit = environment(np.repeat(np.float32(pixels)[..., None], 3, axis=2))
         lobe = material(isotropic(facets))
-        return prefilter_angular(lit, lobe, tolerance=0.05, subsamples=1).radiance(n[None], v)
+        return prefilter_angular(lit, lobe, cutoff=0.05, subsamples=1).radiance(n[None], v)
 
     normals, views = oracles.random_views(8, seed=9)
     axes, outer = caps(normals, views)

@@ -74,7 +74,7 @@ def test_the_error_that_is_asked_for_is_had(name, s):
     expected = exact.at_view([0, 0, 1.0])
     area = texel_areas(64)
     for error in (0.03, 0.01, 0.001):
-        descent = prefilter_hierarchical(env, lobe, error=error, size=64)
+        descent = prefilter_hierarchical(env, lobe, tolerance=error, size=64)
         found = descent.at_view([0, 0, 1.0])
         off = np.sqrt((area * (found - expected) ** 2).sum() / (area * expected**2).sum())
         assert off < 1.25 * error  # found from a part of the map
@@ -112,7 +112,7 @@ def test_a_sun_keeps_its_energy(s, place):
 @pytest.mark.parametrize("layout", ["latlong", "cube"])
 def test_a_constant_light_stays_constant(layout):
     env = Environment(np.ones((128, 256, 3), np.float32))
-    found = prefilter_hierarchical(env, brdf.Phong(100), error=0.01, size=32, layout=layout).at_view(
+    found = prefilter_hierarchical(env, brdf.Phong(100), tolerance=0.01, size=32, layout=layout).at_view(
         [0, 0, 1]
     )
     assert found.shape == ((32, 64, 3) if layout == "latlong" else (6, 32, 32, 3))
@@ -142,9 +142,9 @@ def test_black_light_reflects_nothing():
         ({"threshold": -1.0}, "threshold"),
         ({"threshold": np.nan}, "threshold"),
         ({"threshold": "low"}, "threshold"),
-        ({"error": 0.0}, "error"),
-        ({"error": 2.0}, "error"),
-        ({"error": 0.1, "threshold": 0.1}, "one of them"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"tolerance": 2.0}, "tolerance"),
+        ({"tolerance": 0.1, "threshold": 0.1}, "one of them"),
         ({"size": 0}, "size"),
         ({"layout": "disc"}, "layout"),
     ],
@@ -201,7 +201,7 @@ def test_the_error_that_is_asked_for_is_had_by_all_kinds(name, material, view):
     expected = prefilter_hierarchical(env, material, threshold=0.0, size=32).at_view(view)
     area = texel_areas(32)
     for error in (0.03, 0.01):
-        found = prefilter_hierarchical(env, material, error=error, size=32).at_view(view)
+        found = prefilter_hierarchical(env, material, tolerance=error, size=32).at_view(view)
         off = np.sqrt((area * (found - expected) ** 2).sum() / (area * expected**2).sum())
         assert off < 1.25 * error  # found from other views, and a part of the map
 
@@ -236,7 +236,7 @@ def test_a_sun_of_two_texels_is_not_overlooked(place):
     env = Environment(pixels)
     for material in (brdf.GGX(0.05), brdf.Banks(0.98), brdf.Microfacet(0.05)):
         expected = prefilter_hierarchical(env, material, threshold=0.0, size=48).at_view([0, 0.6, 0.8])
-        found = prefilter_hierarchical(env, material, error=0.02, size=48).at_view([0, 0.6, 0.8])
+        found = prefilter_hierarchical(env, material, tolerance=0.02, size=48).at_view([0, 0.6, 0.8])
         total, should = ((x * texel_areas(48)).sum() for x in (found, expected))
         assert total == pytest.approx(should, rel=0.01)
 
@@ -244,7 +244,7 @@ def test_a_sun_of_two_texels_is_not_overlooked(place):
 def test_lobes_narrower_than_their_tables_are_said_and_end():
     env = picture(64, seed=14)
     with pytest.warns(UserWarning, match="narrower than what its table resolves"):
-        thin = prefilter_hierarchical(env, brdf.Banks(1 - 1e-6), error=0.02, size=64)
+        thin = prefilter_hierarchical(env, brdf.Banks(1 - 1e-6), tolerance=0.02, size=64)
     thin.at_view([0, 0, 1.0])
     assert (
         thin.evaluations < 0.3 * 64 * 128
@@ -257,5 +257,5 @@ def test_small_maps_do_not_make_small_samples(size):
     env, lobe = picture(24, seed=15), brdf.GGX(0.2)
     N, V = oracles.random_views(300, seed=16)
     expected = prefilter_hierarchical(env, lobe, threshold=0.0).radiance(N, V)
-    found = prefilter_hierarchical(env, lobe, error=0.01, size=size).radiance(N, V)
+    found = prefilter_hierarchical(env, lobe, tolerance=0.01, size=size).radiance(N, V)
     assert oracles.relative_rms(found, expected) < 0.015

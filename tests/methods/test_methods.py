@@ -1,11 +1,18 @@
-"""The method of prefiltering: by name, or by what costs less at the wanted error."""
+"""Which method of prefiltering costs least at a tolerance; that each meets it."""
 
 import numpy as np
 import pytest
-from shrm import Environment, ReflectionMap, ToleranceWarning, brdf, prefilter
+from shrm import (
+    Environment,
+    ToleranceWarning,
+    brdf,
+    cheapest,
+    prefilter,
+    prefilter_angular,
+    prefilter_hierarchical,
+)
 from shrm.frequency import orders
-from shrm.integrate.angular import AngularReflection, integrate
-from shrm.integrate.hierarchical import HierarchicalReflection
+from shrm.integrate.angular import integrate
 from shrm.methods import cost
 from support import oracles
 
@@ -24,14 +31,16 @@ def seconds(s: float, H: int, layout: str = "latlong") -> tuple[float, float]:
     return cost.frequency_seconds(*work, chosen), cost.angular_seconds(*work, 0.05)  # type: ignore[arg-type]
 
 
-def test_by_name():
-    material = brdf.Phong(20)
-    assert isinstance(prefilter(SKY, material), ReflectionMap)
-    assert isinstance(prefilter(SKY, material, method="auto"), ReflectionMap)
-    angular = prefilter(SKY, material, method="angular", size=16, layout="cube")
-    assert isinstance(angular, AngularReflection)
-    assert (angular.size, angular.layout) == (16, "cube")
-    assert isinstance(prefilter(SKY, material, method="hierarchical", size=16), HierarchicalReflection)
+METHODS = {
+    "frequency": prefilter,
+    "angular": prefilter_angular,
+    "hierarchical": prefilter_hierarchical,
+}
+
+
+def test_broad_lobes_are_left_to_frequency_space():
+    assert cheapest(SKY, brdf.Phong(20)) == "frequency"
+    assert cheapest(SKY, brdf.Lambert(0.5), layout="cube", size=32, views=10) == "frequency"
 
 
 def test_frequency_costs_more_with_the_exponent_and_integration_less():
@@ -56,36 +65,39 @@ def test_what_frequency_space_cannot_reach_is_integrated():
     mirror = brdf.GGX(0.05)
     with pytest.warns(ToleranceWarning):
         prefilter(SKY, mirror, tolerance=0.02, F_max=20, P_max=2, size=8)
-    found = prefilter(SKY, mirror, tolerance=0.02, F_max=20, P_max=2, size=8, method="auto")
-    assert isinstance(found, AngularReflection)
+    assert cheapest(SKY, mirror, tolerance=0.02, F_max=20, P_max=2, size=8) == "angular"
+    found = prefilter_angular(SKY, mirror, tolerance=0.02, size=8)
     N, V = oracles.random_views(40, seed=3)
     exact = integrate(SKY, mirror, N, V, subsamples=4)
     # The bare sun: nodes finer than texels are needed, and had by default.
     assert relative_rms(found.radiance(N, V), exact) < 0.02
 
 
-@pytest.mark.parametrize("method", ["frequency", "angular", "hierarchical", "auto"])
+@pytest.mark.parametrize("method", METHODS)
 def test_either_way_the_tolerance_is_met(method):
     material, view = brdf.Phong(40), [0.0, 0.0, 1.0]
     # A radial lobe's map is the reflected light over all directions; at F = 60 no energy is left out.
     exact = prefilter(SKY, material, orders=(60, 0), size=48).at_view(view)
-    found = prefilter(SKY, material, tolerance=0.05, size=48, method=method).at_view(view)
+    found = METHODS[method](SKY, material, tolerance=0.05, size=48).at_view(view)
     area = np.sqrt(np.sin((np.arange(48) + 0.5) * np.pi / 48))[:, None, None]
     assert relative_rms(area * found, area * exact) < 0.05
 
 
-def test_what_does_not_go_with_the_method_is_refused():
-    material = brdf.Phong(20)
-    with pytest.raises(
-        ValueError, match="method must be one of frequency, angular, hierarchical, auto, got 'fast'"
-    ):
-        prefilter(SKY, material, method="fast")
-    frequency_only = {"orders": (4, 0), "criterion": "brdf", "window": "hann", "clamp": True, "half": True}
-    for name, value in frequency_only.items():
-        with pytest.raises(ValueError, match="takes no orders"):
-            prefilter(SKY, material, method="auto", **{name: value})
-    with pytest.raises(ValueError, match="views must be"):
-        prefilter(SKY, material, views=0)
+@pytest.mark.parametrize(
+    ("changed", "error", "text"),
+    [
+        ({"views": 0}, ValueError, "views must be"),
+        ({"size": 1}, ValueError, "size must be"),
+        ({"layout": "fisheye"}, ValueError, "layout must be one of latlong, cube, got 'fisheye'"),
+        ({"tolerance": 0.0}, ValueError, "tolerance must be"),
+        ({"F_max": -1}, ValueError, "F_max must be"),
+        ({"brdf": "ggx"}, TypeError, "brdf must be"),
+        ({"env": None}, TypeError, "env must be"),
+    ],
+)
+def test_wrong_arguments(changed, error, text):
+    with pytest.raises(error, match=text):
+        cheapest(**{"env": SKY, "brdf": brdf.Phong(20)} | changed)
 
 
 def test_sharp_lobes_under_a_large_light_are_descended_for_and_under_a_small_one_integrated():
@@ -93,13 +105,10 @@ def test_sharp_lobes_under_a_large_light_are_descended_for_and_under_a_small_one
     glossy = brdf.GGX(0.15)
     options = {"tolerance": 0.02, "F_max": 40, "P_max": 1, "size": 32}
     large = Environment.daylight(size=512)
-    found = prefilter(large, glossy, method="auto", **options)
-    assert isinstance(found, HierarchicalReflection)
-    assert isinstance(prefilter(SKY, glossy, method="auto", **options), AngularReflection)
+    assert cheapest(large, glossy, **options) == "hierarchical"
+    assert cheapest(SKY, glossy, **options) == "angular"
     # texels as points: about as many as there are lobes' widths would not do
-    assert isinstance(
-        prefilter(large.resized(64, 128), brdf.GGX(0.02), method="auto", **options), AngularReflection
-    )
+    assert cheapest(large.resized(64, 128), brdf.GGX(0.02), **options) == "angular"
 
 
 def test_a_descent_costs_as_texels_of_the_map_and_hardly_those_of_the_light():
@@ -113,7 +122,7 @@ def test_a_descent_costs_as_texels_of_the_map_and_hardly_those_of_the_light():
 @pytest.mark.parametrize("H", [4, 16])
 def test_a_lobe_far_narrower_than_texels_reflects_all_of_a_constant_light(H):
     white = Environment(np.ones((H, 2 * H, 3), dtype=np.float32))
-    found = prefilter(white, brdf.Phong(20000.0), tolerance=0.05, size=16, method="angular")
+    found = prefilter_angular(white, brdf.Phong(20000.0), tolerance=0.05, size=16)
     # Phong reflects all light; at most 0.75 x 5% may be cut off.
     np.testing.assert_allclose(found.at_view([0.0, 0.0, 1.0]), 1.0, atol=0.0375)
 
@@ -121,10 +130,10 @@ def test_a_lobe_far_narrower_than_texels_reflects_all_of_a_constant_light(H):
 def test_what_no_nodes_resolve_is_said():
     # The half width of cos^s is sqrt(2 ln 2 / s): a thousandth of the spacing of 2048 columns' nodes.
     with pytest.warns(UserWarning, match="narrower than what the nodes resolve"):
-        prefilter(SKY, brdf.Phong(1e10), tolerance=0.05, size=2, method="angular")
+        prefilter_angular(SKY, brdf.Phong(1e10), tolerance=0.05, size=2)
 
 
-def test_both_results_say_their_size_and_layout():
-    for method in ("frequency", "angular", "auto"):
-        found = prefilter(SKY, brdf.Phong(20), size=12, layout="cube", method=method)
-        assert (found.size, found.layout) == (12, "cube")
+@pytest.mark.parametrize("method", METHODS)
+def test_results_say_their_size_and_layout(method):
+    reflection = METHODS[method](SKY, brdf.Phong(20), size=12, layout="cube")
+    assert (reflection.size, reflection.layout) == (12, "cube")

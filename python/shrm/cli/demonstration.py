@@ -100,7 +100,7 @@ def make_demo(
         rm = prefilter(env, brdf, tolerance=TOLERANCE)
         milliseconds = 1e3 * (time.perf_counter() - start)
         rm.save(folder / f"{name}.exr")
-        reference = prefilter_angular(env, brdf, tolerance=1e-3)
+        reference = prefilter_angular(env, brdf, cutoff=1e-3)
         measured = relative_rms(rm, reference, about_tangent=brdf.frame == "tangent")
         results.append(Result(name, text, rm.F, rm.P, rm.error, measured, milliseconds))
         frequency.append(rm)

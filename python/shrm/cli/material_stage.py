@@ -57,21 +57,18 @@ class MaterialStage(Stage):
             if method == "angular":
                 return prefilter_angular(self.env, material)
             if method == "hierarchical":
-                return prefilter_hierarchical(self.env, material, error=tolerance)
+                return prefilter_hierarchical(self.env, material, tolerance=tolerance)
             return self._in_frequency_space(material)
 
     def _cheapest(self, material: BRDF) -> str:
         """Return the method that is predicted to cost least for the pictures that are drawn."""
-        from shrm.integrate.angular import DEFAULT_SIZE
         from shrm.methods.cost import cheapest
 
         F_max, P_max = largest_orders(self.options)
         return cheapest(
             self.env,
             material,
-            self.options.tolerance or FREQUENCY_TOLERANCE,
-            size=DEFAULT_SIZE["latlong"],
-            layout="latlong",
+            tolerance=self.options.tolerance or FREQUENCY_TOLERANCE,
             views=self.options.frames or 1,
             F_max=F_max,
             P_max=P_max,

@@ -153,7 +153,8 @@ def prefilter_angular(
     env: Environment,
     brdf: Material,
     *,
-    tolerance: float = 0.0,
+    tolerance: float | None = None,
+    cutoff: float | None = None,
     size: int | None = None,
     layout: Layout = "latlong",
     center: Center | None = None,
@@ -170,10 +171,13 @@ def prefilter_angular(
         Its pixels (H, W, 3) are held constant over each texel.
     brdf : material
         Any object with `lobes`.
-    tolerance : float
-        Fraction of each lobe's integral that may be left out at its rim, in [0, 1): the sum visits only the
-        cap (about a tangent, the band) that holds the rest [RH02 appendix D]. 0 visits all, but for texels
-        where a radial lobe is less than 1e-12 of its maximum.
+    tolerance : float, optional
+        Relative RMS error of the reflected radiance that is asked for, in (0, 1): lobes are cut as far as it
+        allows. Without it and without a cutoff nothing is cut.
+    cutoff : float, optional
+        In its place: the fraction of each lobe's integral that is cut at its rim, in [0, 1): the sum visits
+        only the cap (about a tangent, the band) that holds the rest [RH02 appendix D]. 0, the default, visits
+        all, but for texels where a radial lobe is less than 1e-12 of its maximum.
     size : int, optional
         Rows of the maps for "latlong" (twice as many columns; default 128), or the edge of a face for "cube"
         (default 64).
@@ -204,7 +208,7 @@ def prefilter_angular(
         If an argument is not as described.
     """
     pixels = pixels_of(env)
-    tolerance = fraction("tolerance", tolerance)
+    cutoff = _cutoff(tolerance, cutoff)
     one_of("layout", layout, DEFAULT_SIZE)
     if center is not None:
         one_of("center", center, ("lobe", "reflection", "normal"))
@@ -213,10 +217,26 @@ def prefilter_angular(
         subsamples = whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES)
     if not isinstance(symmetry, bool):
         raise TypeError(f"symmetry must be True or False, got {symmetry!r}")
-    parts = [lobe_integral(lobe, tolerance, center, symmetry) for lobe in brdf.lobes]
+    parts = [lobe_integral(lobe, cutoff, center, symmetry) for lobe in brdf.lobes]
     if not parts:
         raise ValueError("brdf has no lobes, but needs at least one")
     return AngularReflection(pixels, parts, edge, layout, subsamples, symmetry)
+
+
+CUTOFF_OF_TOLERANCE = 0.75
+"""Cutoff for a tolerance of 1: what cutting a fraction of a lobe's integral does to the maps of natural light
+is up to 1.3 times that fraction, relative RMS."""
+
+
+def _cutoff(tolerance: float | None, cutoff: float | None) -> float:
+    """The fraction of lobes that is cut, of the two ways to say it."""
+    if tolerance is None:
+        return fraction("cutoff", 0.0 if cutoff is None else cutoff)
+    if cutoff is not None:
+        raise ValueError("tolerance and cutoff are two ways to say one thing: give one of them")
+    if not fraction("tolerance", tolerance) > 0:
+        raise ValueError(f"tolerance must be above 0 and below 1, got {tolerance!r}")
+    return CUTOFF_OF_TOLERANCE * tolerance
 
 
 DEFAULT_SIZE = {"latlong": 128, "cube": 64}

@@ -38,7 +38,7 @@ def prefilter_hierarchical(
     env: Environment,
     brdf: Material,
     *,
-    error: float | None = None,
+    tolerance: float | None = None,
     threshold: float | None = None,
     size: int | None = None,
     layout: Layout = "latlong",
@@ -52,8 +52,8 @@ def prefilter_hierarchical(
         ``prefilter_angular(subsamples=1)``.
     brdf : material
         Any object with `lobes`. Those of one shape, such as Phong's, cost least.
-    error : float, optional
-        Relative RMS error wanted against the sum over all texels, in (0, 1); default .01. It is meant over
+    tolerance : float, optional
+        Relative RMS error asked for, against the sum over all texels, in (0, 1); default .01. It is one over
         the maps of all views together: where most of what is reflected is at grazing views or from light at
         the horizon (microfacets of f0 = 0), a single map, or all, may have several times as much. The
         threshold is found from some blocks of texels of maps of random views.
@@ -77,19 +77,18 @@ def prefilter_hierarchical(
     pixels = pixels_of(env)
     one_of("layout", layout, DEFAULT_SIZE)
     edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
-    if error is not None and threshold is not None:
-        raise ValueError("error and threshold are two ways to say one thing: give one of them")
-    wanted = None
+    if tolerance is not None and threshold is not None:
+        raise ValueError("tolerance and threshold are two ways to say one thing: give one of them")
     if threshold is None:
-        wanted = 0.01 if error is None else fraction("error", error)
-        if wanted == 0:
-            raise ValueError(f"error must be above 0 and below 1, got {error!r}")
+        tolerance = 0.01 if tolerance is None else fraction("tolerance", tolerance)
+        if tolerance == 0:
+            raise ValueError(f"tolerance must be above 0 and below 1, got {tolerance!r}")
     else:
         threshold = number("threshold", threshold, 0.0)
     lobes = [lobe_descent(lobe) for lobe in brdf.lobes]
     if not lobes:
         raise ValueError("brdf has no lobes, but needs at least one")
-    return HierarchicalReflection(pixels, lobes, edge, layout, wanted, threshold)
+    return HierarchicalReflection(pixels, lobes, edge, layout, tolerance, threshold)
 
 
 class HierarchicalReflection(Reflection):
@@ -111,7 +110,7 @@ class HierarchicalReflection(Reflection):
         lobes: Sequence[LobeDescent],
         size: int,
         layout: Layout,
-        error: float | None,
+        tolerance: float | None,
         threshold: float | None,
     ) -> None:
         self._size, self._layout = size, layout
@@ -120,9 +119,9 @@ class HierarchicalReflection(Reflection):
         self._shape, self._order, self._targets = map_texels(layout, size)
         self._lobes = tuple(lobes)
         if threshold is None:
-            assert error is not None
+            assert tolerance is not None
             rows = int(np.clip(size, *SEARCHED_ROWS))
-            self.threshold = tuple(self._threshold(lobe, error, rows) for lobe in self._lobes)
+            self.threshold = tuple(self._threshold(lobe, tolerance, rows) for lobe in self._lobes)
         else:
             self.threshold = (float(threshold),) * len(self._lobes)
         self.evaluations = 0.0
@@ -192,7 +191,7 @@ class HierarchicalReflection(Reflection):
         self.evaluations += evaluations
         return found
 
-    def _threshold(self, lobe: LobeDescent, error: float, rows: int) -> float:
+    def _threshold(self, lobe: LobeDescent, tolerance: float, rows: int) -> float:
         """The largest threshold, to a tenth, whose error is within what is wanted: in a sample of maps.
 
         They are lat-long, of as many rows.
@@ -230,7 +229,7 @@ class HierarchicalReflection(Reflection):
         places = np.minimum(places, count - 1)
         weight = inside * area[places, 0] / (sampled * chance[drawn])[:, None] / total
         n, v, t = (np.ascontiguousarray(d[places.ravel()]) for d in frames)
-        exact = self._reflected(lobe, (n, v, t), EXACT * error).astype(np.float64)
+        exact = self._reflected(lobe, (n, v, t), EXACT * tolerance).astype(np.float64)
 
         def off(threshold: float) -> float:
             square = ((self._reflected(lobe, (n, v, t), threshold) - exact) ** 2).sum(axis=1)
@@ -239,7 +238,7 @@ class HierarchicalReflection(Reflection):
         low, high = 0.0, LARGEST_THRESHOLD
         while high > 1.1 * low and high > SMALLEST_THRESHOLD:
             middle = np.sqrt(low * high) if low > 0 else high / 4.0
-            low, high = (middle, high) if off(middle) <= MARGIN * error else (low, middle)
+            low, high = (middle, high) if off(middle) <= MARGIN * tolerance else (low, middle)
         return float(low)
 
 

@@ -14,16 +14,15 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import Literal
+from typing import Literal, get_args
 
 from shrm.brdf import BRDF
 from shrm.environment import Environment
-from shrm.frequency.orders import Orders, ToleranceWarning, choose
+from shrm.frequency.orders import F_MAX, P_MAX, Orders, ToleranceWarning, choose
+from shrm.integrate.angular import CUTOFF_OF_TOLERANCE, DEFAULT_SIZE
 from shrm.integrate.angular_lobes import half_width, share_visited
 from shrm.lobes.reflection import Layout
-
-ANGULAR_SHARE = 0.75
-"""Of a wanted error, what may be cut from a lobe's integral: the error of the maps is up to 1.3 of it."""
+from shrm.validation import one_of, whole_number
 
 _CALL = 4e-4
 _ANALYSIS, _ANALYSIS_BY_F = 6e-10, 2.6e-11  # per texel of the light
@@ -46,53 +45,67 @@ _TEXELS_TO_A_WIDTH = 1.5
 """How many texels of the light a lobe's half width must hold, for them to count as points."""
 
 
+Method = Literal["frequency", "angular", "hierarchical"]
+
+
 def cheapest(
     env: Environment,
     brdf: BRDF,
-    tolerance: float,
     *,
-    size: int,
-    layout: Layout,
-    views: int,
-    F_max: int,
-    P_max: int,
-) -> Literal["frequency", "angular", "hierarchical"]:
-    """Return the cheapest of the methods that reach a tolerance.
+    tolerance: float = 0.05,
+    size: int | None = None,
+    layout: Layout = "latlong",
+    views: int = 1,
+    F_max: int = F_MAX,
+    P_max: int = P_MAX,
+) -> Method:
+    """Return which method of prefiltering costs least, of those that are predicted to reach a tolerance.
 
     Parameters
     ----------
     env : Environment
         The light.
     brdf : BRDF
-        The material, its lobes about the centers they will have.
+        The material, its lobes about the centers that they will have.
     tolerance : float
-        Relative RMS error of the reflected light. What frequency space cannot reach within the caps is left
-        to integration.
-    size, layout
-        The maps.
+        Relative RMS error of the reflected radiance that is asked for, in (0, 1).
+    size : int, optional
+        Rows of a lat-long map (default 128), or of a cube's face (default 64).
+    layout : {"latlong", "cube"}
+        The grid of the maps.
     views : int
-        For how many views a map is wanted.
+        For how many views a map is made.
     F_max, P_max : int
-        Caps on the orders.
+        Caps on the orders in frequency space; what needs more is left to the integrators.
 
     Returns
     -------
     {"frequency", "angular", "hierarchical"}
+        Meant for `shrm.prefilter`, `shrm.prefilter_angular` and `shrm.prefilter_hierarchical`.
 
     Raises
     ------
     TypeError, ValueError
-        As `shrm.orders.choose`.
+        If an argument is of another type or out of its range.
+
+    Examples
+    --------
+    >>> import shrm
+    >>> shrm.cheapest(shrm.Environment.daylight(size=64), shrm.brdf.Lambert(0.5))
+    'frequency'
     """
+    if not isinstance(env, Environment):
+        raise TypeError(f"env must be an Environment, got {type(env).__name__}")
+    one_of("layout", layout, get_args(Layout))
+    edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 2, 8192)
+    whole_number("views", views, 1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)
         chosen = choose(env, brdf, tolerance=tolerance, F_max=F_max, P_max=P_max)
     H, W, _ = env.pixels.shape
-    texels = size * size * (2 if layout == "latlong" else 6)
+    texels = edge * edge * (2 if layout == "latlong" else 6)
     work = (H * W, brdf, texels, layout, views)
-    seconds: dict[Literal["frequency", "angular", "hierarchical"], float] = {
-        "angular": angular_seconds(*work, tolerance)
-    }
+    seconds: dict[Method, float] = {"angular": angular_seconds(*work, tolerance)}
     if not chosen.limited_by:
         seconds["frequency"] = frequency_seconds(*work, chosen)
     if min(map(half_width, brdf.lobes)) >= _TEXELS_TO_A_WIDTH * max(math.pi / H, 2 * math.pi / W):
@@ -125,7 +138,7 @@ def angular_seconds(
     seconds = _CALL
     for lobe in brdf.lobes:
         kind = lobe.kind
-        pairs = texels * light_texels * share_visited(lobe, ANGULAR_SHARE * tolerance)
+        pairs = texels * light_texels * share_visited(lobe, CUTOFF_OF_TOLERANCE * tolerance)
 
         by_symmetry = kind == "radial" and layout == "latlong"
         maps = 1 if kind == "radial" else views

@@ -19,7 +19,6 @@ from shrm.integrate.angular_lobes import across, bisector
 from shrm.integrate.hierarchical import prefilter_hierarchical
 from shrm.lobes.center import gamma_table
 from shrm.lobes.reflection import Layout
-from shrm.methods.cost import ANGULAR_SHARE
 from shrm.validation import fraction, one_of, whole_number
 
 Integrator = Literal["frequency", "angular", "hierarchical"]
@@ -86,8 +85,8 @@ class Layers:
         if self.integrator == "frequency":
             return prefilter_in_frequency(self.env, one, tolerance=self.error, P_max=P_MAX)
         if self.integrator == "angular":
-            return prefilter_angular(self.env, one, tolerance=ANGULAR_SHARE * self.error)
-        return prefilter_hierarchical(self.env, one, error=self.error, size=self.size, layout=self.layout)
+            return prefilter_angular(self.env, one, tolerance=self.error)
+        return prefilter_hierarchical(self.env, one, tolerance=self.error, size=self.size, layout=self.layout)
 
     def layer(
         self, center: Center, radiance: Callable[[FloatArray], Float32Array], gamma: FloatArray

@@ -93,8 +93,8 @@ def _maps(light: Environment, looks: FloatArray, size: int, border: int) -> tupl
     """Return maps by the filter's name, and the driver, or why there is none."""
     # On the processor
     material, targets = brdf.Phong(EXPONENT), looks.reshape(-1, 3)
-    descent = prefilter_hierarchical(light, material, error=0.01)
-    integral = prefilter_angular(light, material, tolerance=0.0, subsamples=1)
+    descent = prefilter_hierarchical(light, material, tolerance=0.01)
+    integral = prefilter_angular(light, material, subsamples=1)
     maps = {
         "unfiltered": Filtered(environment_lookup(light.pixels, targets).reshape(looks.shape), None),
         "classic": _timed(lambda: integral.radiance(targets, targets), looks.shape),

@@ -100,7 +100,7 @@ def _measure(
 
 def _error(picture: Picture, scene: Scene, light: Environment, s: int) -> float:
     """Return the relative RMS error where the torus fills a pixel, by one sample for each pixel."""
-    exact = prefilter_angular(light, brdf.Phong(s), tolerance=0.0)
+    exact = prefilter_angular(light, brdf.Phong(s))
     H, W = picture.coverage.shape
     integrated = render([Object(scene.objects[0].shape, exact)], CAMERA, W, H, samples=1)
     filled = (picture.coverage == 1) & (integrated.coverage == 1)

@@ -67,7 +67,7 @@ def make(settings: Settings) -> Result:
         render([pot], camera, *extent, background=settings.env, samples=samples) for camera in CAMERAS
     ]
     places = np.radians(ANGLES) / np.pi * (slices - 1)
-    error = _error(pot, prefilter_angular(env, material, tolerance=0.0, subsamples=1), settings.quick)
+    error = _error(pot, prefilter_angular(env, material, subsamples=1), settings.quick)
     return Result(
         NAME,
         f"A brushed pot by Banks' model, {settings.env_name}",

@@ -119,7 +119,7 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
 
 
 def _with_pyramid(light: Environment, lobe: brdf.BRDF, size: int) -> Callable[[], Any]:
-    descent = prefilter_hierarchical(light, lobe, error=ERROR, size=size)
+    descent = prefilter_hierarchical(light, lobe, tolerance=ERROR, size=size)
 
     def call() -> Any:
         descent.update(light)
@@ -131,10 +131,10 @@ def _with_pyramid(light: Environment, lobe: brdf.BRDF, size: int) -> Callable[[]
 def _measure_exponent(light: Environment, s: int, H: int, rounds: int) -> list[float]:
     """Return milliseconds of four ways, the errors of two, and lobe evaluations for a texel."""
     lobe = brdf.Phong(s)
-    descent = prefilter_hierarchical(light, lobe, error=ERROR, size=H)
+    descent = prefilter_hierarchical(light, lobe, tolerance=ERROR, size=H)
 
     def integrated(material: Any, tolerance: float) -> Any:
-        return prefilter_angular(light, material, tolerance=tolerance, size=H, subsamples=1, symmetry=False)
+        return prefilter_angular(light, material, cutoff=tolerance, size=H, subsamples=1, symmetry=False)
 
     def integration(material: Any, tolerance: float) -> Callable[[], Any]:
         # A map is kept once it is made: each round has its own, its tables made before.

@@ -244,7 +244,7 @@ def angular_of(
     return prefilter_angular(
         light,
         material(sigma),
-        tolerance=epsilon,
+        cutoff=epsilon,
         size=len(light.pixels),
         subsamples=subsamples,
         symmetry=symmetry,

@@ -199,7 +199,7 @@ def angular_costs(env: Environment, quick: bool) -> list[Cost]:
 
     def lobe(material: brdf.BRDF, light_size: int) -> AngularReflection:
         light = Environment(light_of(env, light_size))
-        return prefilter_angular(light, material, tolerance=EPSILON, subsamples=1)
+        return prefilter_angular(light, material, cutoff=EPSILON, subsamples=1)
 
     def phong(s: float, light_size: int, size: int) -> Call:
         return integration(lobe(brdf.Phong(s), light_size), size, above)

@@ -227,7 +227,7 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
     exact = integrate(case.light, case.about_R, N, V, subsamples=3)
 
     # One node a texel is not enough: at grazing views lobes are narrower than texels.
-    angular = prefilter_angular(case.light, case.about_R, tolerance=1e-3, size=case.H, subsamples=2)
+    angular = prefilter_angular(case.light, case.about_R, cutoff=1e-3, size=case.H, subsamples=2)
     comparison = Comparison(R, V, exact)
     table, seconds = add_explicit(comparison, case, angular)
     add_compressed(comparison, case, table.maps, seconds)

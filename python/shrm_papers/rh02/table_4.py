@@ -201,7 +201,7 @@ def in_one_shot(light: Environment, s: int, F: int) -> object:
 def lobe(light: Environment, s: int, symmetry: bool) -> AngularReflection:
     """Integrate the part of the lobe that [RH02] section 7.4 keeps, one node to a texel."""
     return prefilter_angular(
-        light, brdf.Phong(s), tolerance=EPSILON, size=len(light.pixels), subsamples=1, symmetry=symmetry
+        light, brdf.Phong(s), cutoff=EPSILON, size=len(light.pixels), subsamples=1, symmetry=symmetry
     )
 
 

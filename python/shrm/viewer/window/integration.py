@@ -119,7 +119,7 @@ def _integral(light: Environment, material: brdf.BRDF) -> Reflection:
     """What integrates a material: from tables of its lobes, or plainly where one is anisotropic."""
     if any(lobe.kind == "anisotropic" for lobe in material.lobes):
         return _PlainSum(light, material)
-    return prefilter_angular(light, material, tolerance=0.002)
+    return prefilter_angular(light, material, cutoff=0.002)
 
 
 class _PlainSum:
