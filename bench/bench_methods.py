@@ -73,7 +73,9 @@ ENTRIES = (
         "Phong lobe with Fresnel factors (Miller, Heidrich)",
         KautzMcCool2D.keeps,
         GOLD,
-        lambda light, material: prefilter_explicit(light, material, "miller-heidrich", error=ERROR),
+        lambda light, material: prefilter_explicit(
+            light, material, technique="miller-heidrich", tolerance=ERROR
+        ),
         "the least memory, any shader",
     ),
     Entry(

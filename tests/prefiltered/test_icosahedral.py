@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from shrm import brdf, prefilter
 from shrm.integrate.angular import AngularReflection, integrate, prefilter_angular
-from shrm.prefiltered import Cabral, of_reflection_map
+from shrm.prefiltered import Cabral, Prefiltered
 from shrm.prefiltered.icosahedron import faces, icosahedron, solid_angle, weights
 from shrm_papers.comparison import Frames
 from support import oracles
@@ -84,7 +84,7 @@ def test_of_a_shrm_they_are_its_maps_at_their_views(layout):
     """Borders included: every look-up is the SHRM's own, up to the rounding of sums of few float32 terms."""
     material = brdf.GGX(0.4) + 0.3 * brdf.Lambert(0.5)
     rm = prefilter(band_limited_environment(5, seed=7), material, orders=(5, 3), size=12, layout=layout)
-    maps = of_reflection_map(rm, material, "cabral")
+    maps = Prefiltered.from_reflection_map(rm, material, technique="cabral")
     assert [len(one.layers) for one in maps.lobes] == [12, 1]
     for V in icosahedron():
         N = sphere(200, seed=8)
@@ -95,11 +95,11 @@ def test_of_a_shrm_they_are_its_maps_at_their_views(layout):
 
 def test_between_views_they_are_blended():
     rm = prefilter(band_limited_environment(5, seed=9), brdf.GGX(0.4), orders=(5, 3), size=12)
-    maps = of_reflection_map(rm, brdf.GGX(0.4), "cabral")
+    maps = Prefiltered.from_reflection_map(rm, brdf.GGX(0.4), technique="cabral")
     N, V = oracles.random_views(100, seed=10)
     # Where each of the twelve views stands alone, at the same central directions.
     (cabral,) = maps.lobes
-    C = cabral._central(N, V, N)
+    C = cabral.central_directions(N, V, N)
     of_each = np.stack([layer.radiance(C) for layer in cabral.layers], axis=1)
     expected = np.einsum("nk,nkc->nc", weights(V), of_each)
     np.testing.assert_allclose(maps.radiance(N, V), expected, rtol=1e-5)

@@ -204,7 +204,7 @@ def test_any_radial_lobe_is_taken(context):
 def test_lobes_that_change_with_the_view_are_factored(context):
     """Kautz and McCool's of two dimensions, as `shrm.prefiltered` integrates them."""
     material = brdf.Lambert(0.3) + brdf.GGX(0.4, (1.0, 0.7, 0.3))
-    exact = prefilter_explicit(SMOOTH, material, "kautz-mccool-2d", size=64, error=0.003)
+    exact = prefilter_explicit(SMOOTH, material, technique="kautz-mccool-2d", size=64, tolerance=0.003)
     N, V = oracles.random_views(400, seed=21)
     for filter, bound in (("exact", 0.02), ("two-pass", 0.08)):
         with HardwarePrefilter(material, size=128, taps=512, filter=filter, context=context) as prefilter:

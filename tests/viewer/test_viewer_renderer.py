@@ -9,7 +9,7 @@ import pytest
 from shrm import ReflectionMap, brdf, prefilter
 from shrm.environment import Environment
 from shrm.integrate.angular import prefilter_angular
-from shrm.prefiltered import Prefiltered, of_reflection_map
+from shrm.prefiltered import Prefiltered
 from shrm.prefiltered import prefilter as prefilter_explicit
 from shrm.prefiltered.explicit import without_azimuth
 from shrm.render import Camera, Mesh, Object, Sphere, environment_lookup, render
@@ -119,12 +119,19 @@ OF_LAYERS = {"near": 1e-4, "distant": 0.02}
 TECHNIQUES = ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"]
 
 
+def layered(rm: ReflectionMap, material, technique: str | None) -> ReflectionMap | Prefiltered:
+    """The maps of a technique for the light of a reflection map; without one, its own without azimuth."""
+    if technique is None:
+        return without_azimuth(rm)
+    return Prefiltered.from_reflection_map(rm, material, technique=technique)
+
+
 @pytest.mark.parametrize("technique", [None, *TECHNIQUES])
 @pytest.mark.parametrize("viewer", ["near", "distant"])
 @pytest.mark.parametrize("material", [MATERIALS[1], MATERIALS[3]], ids=lambda material: material.name)
 def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, technique):
     rm = prefilter(light("daylight"), material, orders=(12, 4), size=64, layout="cube")
-    maps = without_azimuth(rm) if technique is None else of_reflection_map(rm, material, technique)
+    maps = layered(rm, material, technique)
     scene = Scene([Object(Sphere(), maps), Object(torus(), maps)], CAMERA, None, viewer)
     assert compared(renderer, scene) < OF_LAYERS[viewer] + lookup_error(renderer.context, 0.1)
     turned = replace(scene, camera=Camera((1.0, -3.0, 2.5), fov=32.0))  # another triangle of views
@@ -147,7 +154,7 @@ def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, techni
 )
 def test_prefiltered_maps_of_all_classes_are_those_of_the_cpu(renderer, material, technique, viewer):
     maps = prefilter_explicit(
-        light("daylight"), material, technique, slices=9, lobes=2, size=32, layout="cube"
+        light("daylight"), material, technique=technique, slices=9, lobes=2, size=32, layout="cube"
     )
     scene = Scene([Object(Sphere(), maps), Object(torus(), maps)], CAMERA, None, viewer)
     assert compared(renderer, scene) < OF_LAYERS[viewer] + lookup_error(renderer.context, 0.1)
@@ -163,7 +170,7 @@ def test_clamped_maps_are_clamped_lobe_by_lobe(renderer, technique):
         for clamp in (True, False)
     ]
     if technique is not None:
-        maps = [of_reflection_map(rm, material, technique) for rm in maps]
+        maps = [layered(rm, material, technique) for rm in maps]
     clamped, plain = (Scene([Object(Sphere(), found)], CAMERA, None, "near") for found in maps)
     assert compared(renderer, clamped) < largest(renderer, "near")
     assert oracles.relative_rms(renderer.render(clamped).radiance, renderer.render(plain).radiance) > 1e-3

@@ -51,7 +51,12 @@ class MaterialStage(Stage):
             tolerance = options.tolerance or INTEGRATION_TOLERANCE
             if options.technique != "shrm":
                 return prefilter_earlier(
-                    self.env, material, options.technique, error=tolerance, layout=layout, size=size
+                    self.env,
+                    material,
+                    technique=options.technique,
+                    tolerance=tolerance,
+                    layout=layout,
+                    size=size,
                 )
             method = self._cheapest(material) if options.method == "auto" else options.method
             if method == "angular":

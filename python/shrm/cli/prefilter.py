@@ -155,8 +155,8 @@ def _earlier_maps(options: argparse.Namespace, env: Environment, brdf: BRDF) -> 
     return prefilter(
         env,
         brdf if options.center is None else brdf.recentered(options.center),
-        options.technique,
-        error=options.tolerance or TOLERANCE,
+        technique=options.technique,
+        tolerance=options.tolerance or TOLERANCE,
         size=options.size,
         layout=options.layout,
     )

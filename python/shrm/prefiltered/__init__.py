@@ -4,32 +4,31 @@
     Diffuse            (n)                one
     Phong              (r_v)              one
     KautzMcCool3D      (r_v, n.r_v)       one for each of some angles, linear between them
-    KautzMcCool2D      (r_v), F(n.r_v)    one for each lobe, times a factor
+    KautzMcCool2D      (r_v), F(n.r_v)    one for each product of a shape and a factor
     Cabral             (v, n)             one for each of twelve views, blended between them
     Anisotropic        (t, v.t)           one for each of some angles, linear between them
 
-Each layer is a reflection map over the central direction C that the class keeps; what is reflected is a sum
-of layers, looked up at C, in shares that depend on what else it keeps. Where n.r_v stands in the paper, here
-the angle theta_o between C and V does. Layers are made by any of the integrators, and all hold the cosine.
+Each layer is a reflection map over the central direction C that the class keeps; reflected radiance is a sum
+of layers, looked up at C, in shares that depend on what else the class keeps. Where n.r_v stands in the
+paper, here stands the angle theta_o between C and V. Layers are made by any method, and all hold the cosine.
 
-    layers      how layers are integrated, and their grid
-    maps        the classes
-    material    the maps of a material of several lobes, from an environment or from a SHRM
-    file        their files
-
-Sources: [KM00], [CON99].
+    icosahedron      views and weights of [CON99]
+    explicit         explicit sets of maps from reflection maps, and back
+    layers           radiance over C, integrated by any method
+    file             files of layers, as plain data
+    prefiltered_map  the map of one lobe: what all classes share
+    one_shape        Diffuse, Phong, KautzMcCool2D
+    slices           KautzMcCool3D, Anisotropic
+    cabral           Cabral
+    material         the maps of all lobes of a material, from an environment or from a SHRM
+    paraboloid       dual-paraboloid maps
 """
 
-from shrm.prefiltered.maps import (
-    Anisotropic,
-    Cabral,
-    Diffuse,
-    KautzMcCool2D,
-    KautzMcCool3D,
-    Phong,
-    PrefilteredMap,
-)
-from shrm.prefiltered.material import Prefiltered, Technique, of_reflection_map, prefilter
+from shrm.prefiltered.cabral import Cabral
+from shrm.prefiltered.material import Prefiltered, Technique, prefilter
+from shrm.prefiltered.one_shape import Diffuse, KautzMcCool2D, Phong
+from shrm.prefiltered.prefiltered_map import PrefilteredMap
+from shrm.prefiltered.slices import Anisotropic, KautzMcCool3D
 
 __all__ = [
     "Anisotropic",
@@ -41,6 +40,5 @@ __all__ = [
     "Prefiltered",
     "PrefilteredMap",
     "Technique",
-    "of_reflection_map",
     "prefilter",
 ]

@@ -1,4 +1,4 @@
-"""An icosahedron's vertices as views, and the weights by which others lie between them [CON99]."""
+"""The vertices of an icosahedron as views, and the weights of other views between them [CON99]."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import FloatArray
+
+VERTICES = 12
 
 
 def icosahedron() -> FloatArray:
@@ -21,10 +23,10 @@ def icosahedron() -> FloatArray:
 
 @cache
 def faces() -> npt.NDArray[np.intp]:
-    """Indices (20, 3) of the vertices of each triangle of `icosahedron`, counterclockwise from outside."""
+    """Return the vertices of each triangle of `icosahedron`, (20, 3), counterclockwise from outside."""
     v = icosahedron()
     near = v @ v.T > 0.4  # neighbours are at 1 / sqrt(5), others at most at its negative
-    triples = [t for t in combinations(range(len(v)), 3) if all(near[a, b] for a, b in combinations(t, 2))]
+    triples = [t for t in combinations(range(VERTICES), 3) if all(near[a, b] for a, b in combinations(t, 2))]
     outward = [(a, b, c) if np.linalg.det(v[[a, b, c]]) > 0 else (a, c, b) for a, b, c in triples]
     return np.array(outward)
 
@@ -36,9 +38,9 @@ def coordinates() -> FloatArray:
 
 
 def weights(views: FloatArray) -> FloatArray:
-    """Return the weights of the twelve views for others: spherical barycentric coordinates.
+    """Return the weights of the twelve views for other views: spherical barycentric coordinates.
 
-    Of the triangle that holds a view, each vertex has the share of the solid angle that lies opposite to it.
+    In the triangle that holds a view, each vertex has the share of the solid angle opposite to it.
 
     Parameters
     ----------
@@ -48,21 +50,22 @@ def weights(views: FloatArray) -> FloatArray:
     Returns
     -------
     (n, 12) float64
-        At least 0, of sum 1, and not 0 for at most three.
+        Each at least 0, their sum 1, at most three of them above 0.
     """
     v = icosahedron()
+    # The triangle that holds a view is the one whose least coordinate is largest.
     inside = (views @ coordinates()).min(axis=2)  # (20, n)
     face = faces()[inside.argmax(axis=0)]
     a, b, c = v[face].transpose(1, 0, 2)
     shares = np.stack([solid_angle(views, b, c), solid_angle(a, views, c), solid_angle(a, b, views)], axis=1)
-    shares = np.maximum(shares, 0)  # on an edge, rounding makes it negative
-    result = np.zeros((len(views), len(v)))
+    shares = np.maximum(shares, 0)  # rounding on an edge makes them negative
+    result = np.zeros((len(views), VERTICES))
     np.put_along_axis(result, face, shares / shares.sum(axis=1, keepdims=True), axis=1)
     return result
 
 
 def solid_angle(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
-    """Solid angles (n,) of triangles of unit vectors (n, 3), positive where counterclockwise [OS83]."""
+    """Return the solid angles (n,) of triangles of unit vectors (n, 3), positive counterclockwise [OS83]."""
     volume = np.einsum("nk,nk->n", a, np.cross(b, c))
     dots = sum(np.einsum("nk,nk->n", *pair) for pair in ((a, b), (b, c), (c, a)))
     return np.asarray(2 * np.arctan2(volume, 1 + dots))

@@ -1,10 +1,10 @@
-"""The layers of prefiltered maps: how they are integrated, and their grid."""
+"""The layers of prefiltered maps: radiance over the central direction, integrated by any method."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -15,26 +15,23 @@ from shrm.environment import Environment
 from shrm.frequency.prefilter import prefilter as prefilter_in_frequency
 from shrm.frequency.rings import Interpolation, Rings, ring_directions
 from shrm.integrate.angular import DEFAULT_SIZE, prefilter_angular
-from shrm.integrate.angular_lobes import across, bisector
+from shrm.integrate.angular_lobes import across, bisector, normals_of
 from shrm.integrate.hierarchical import prefilter_hierarchical
 from shrm.lobes.center import gamma_table
-from shrm.lobes.reflection import Layout
-from shrm.validation import fraction, one_of, whole_number
+from shrm.lobes.reflection import Layout, Reflection
+from shrm.prefiltered.icosahedron import icosahedron
+from shrm.validation import one_of, positive, require_instance, whole_number
 
-Integrator = Literal["frequency", "angular", "hierarchical"]
+Method = Literal["frequency", "angular", "hierarchical"]
 
 MOST_SLICES = 341
-"""Three channels each, of the 1024 that a part of a file may have."""
+"""Largest number of layers: a part of a file has at most 1024 channels, and layers three each."""
+
+LARGEST_SIZE = 8192
+"""Largest rows of a lat-long map, or edge of a cube's face."""
 
 P_MAX = 16
-"""Largest order of the view in frequency space."""
-
-
-class Reflects(Protocol):
-    """What integrators return."""
-
-    def radiance(self, normals: Any, views: Any, tangents: Any = None) -> Float32Array:
-        """Reflected radiance (n, 3)."""
+"""Largest order of the view where layers are made in frequency space."""
 
 
 class Layer(Rings):
@@ -42,51 +39,69 @@ class Layer(Rings):
 
     def radiance(self, C: FloatArray, interpolation: Interpolation = "cubic") -> Float32Array:
         """Return the radiance at central directions (n, 3), from look-ups; (n, 3)."""
-        # a map of P = 0 is multiplied by Y_00 = 1 / sqrt(4 pi)
+        # A map of P = 0 is multiplied by Y_00 = 1 / sqrt(4 pi).
         return self.look_up(C, C, False, interpolation) * np.float32(np.sqrt(4.0 * np.pi))
+
+    @property
+    def pixels(self) -> Float32Array:
+        """The radiance, (H, W, 3), or (6, N, N, 3) for cubes: a view."""
+        return np.asarray(self.maps[0])
 
     def __repr__(self) -> str:
         return f"<Layer about the {self.center}: {self.layout} {self.size}>"
 
 
 @dataclass(frozen=True, eq=False)
-class Layers:
-    """How maps are integrated, and their grid."""
+class Integration:
+    """How layers are made of an environment: the method, its tolerance, and the grid.
+
+    Attributes
+    ----------
+    env : Environment
+    method : {"frequency", "angular", "hierarchical"}
+        The integrator.
+    tolerance : float
+        Relative RMS of the radiance under the lobe that the layers hold, in (0, 1).
+    size : int
+        Rows of a lat-long map, or the edge of a cube's face.
+    layout : {"latlong", "cube"}
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an attribute is not as described.
+    """
 
     env: Environment
-    integrator: Integrator
-    error: float
+    method: Method
+    tolerance: float
     size: int
     layout: Layout
 
-    @classmethod
-    def checked(
-        cls,
-        env: Environment,
-        brdf: BRDF,
-        integrator: Integrator = "hierarchical",
-        error: float = 0.01,
-        size: int | None = None,
-        layout: Layout = "latlong",
-    ) -> Layers:
-        """At the door of every `prefilter`."""
-        if not isinstance(env, Environment):
-            raise TypeError(f"env must be an Environment, got {type(env).__name__}")
-        require_material(brdf)
-        one_of("integrator", integrator, get_args(Integrator))
-        one_of("layout", layout, get_args(Layout))
-        if fraction("error", error) == 0:
-            raise ValueError(f"error must be above 0 and below 1, got {error!r}")
-        edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 2, 8192)
-        return cls(env, integrator, error, edge, layout)
+    def __post_init__(self) -> None:
+        require_instance("env", self.env, Environment)
+        one_of("method", self.method, get_args(Method))
+        one_of("layout", self.layout, get_args(Layout))
+        positive("tolerance", self.tolerance, 1.0)
+        whole_number("size", self.size, 2, LARGEST_SIZE)
 
-    def integrated(self, one: Material) -> Reflects:
-        """What reflects the environment under a material."""
-        if self.integrator == "frequency":
-            return prefilter_in_frequency(self.env, one, tolerance=self.error, P_max=P_MAX)
-        if self.integrator == "angular":
-            return prefilter_angular(self.env, one, tolerance=self.error)
-        return prefilter_hierarchical(self.env, one, tolerance=self.error, size=self.size, layout=self.layout)
+    @classmethod
+    def requested(
+        cls, env: Environment, method: Method, tolerance: float, size: int | None, layout: Layout
+    ) -> Integration:
+        """Return what the arguments of a `prefilter` ask for, with the default size if there is none."""
+        one_of("layout", layout, get_args(Layout))
+        return cls(env, method, tolerance, DEFAULT_SIZE[layout] if size is None else size, layout)
+
+    def reflection(self, material: Material) -> Reflection:
+        """Return the reflection of the environment under a material."""
+        if self.method == "frequency":
+            return prefilter_in_frequency(self.env, material, tolerance=self.tolerance, P_max=P_MAX)
+        if self.method == "angular":
+            return prefilter_angular(self.env, material, tolerance=self.tolerance)
+        return prefilter_hierarchical(
+            self.env, material, tolerance=self.tolerance, size=self.size, layout=self.layout
+        )
 
     def layer(
         self, center: Center, radiance: Callable[[FloatArray], Float32Array], gamma: FloatArray
@@ -99,13 +114,20 @@ class Layers:
 
 
 def require_material(brdf: BRDF) -> None:
-    """Raise TypeError unless it is one."""
-    if not isinstance(brdf, BRDF):
-        raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
+    """Raise TypeError if `brdf` is no material."""
+    require_instance("brdf", brdf, BRDF, what="a material of shrm.brdf")
 
 
-def one_lobe(brdf: BRDF, name: str, kinds: tuple[str, ...], centers: tuple[Center, ...]) -> Material:
-    """Return a material of one lobe that a class of this name holds."""
+def material_of_one_lobe(
+    brdf: BRDF, name: str, kinds: tuple[str, ...], centers: tuple[Center, ...]
+) -> Material:
+    """Return a material of one lobe if a class of maps, called `name`, holds such lobes.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no material, has several lobes, or one of another kind or center.
+    """
     require_material(brdf)
     if len(brdf.lobes) != 1:
         raise ValueError(
@@ -122,34 +144,51 @@ def one_lobe(brdf: BRDF, name: str, kinds: tuple[str, ...], centers: tuple[Cente
     return Material((lobe,), brdf.name)
 
 
-def radial_layers(materials: Sequence[Material], how: Layers) -> tuple[Layer, ...]:
-    """One layer for each material of one radial lobe."""
-    layers = []
-    for one in materials:
-        center = one.lobes[0].center
-        reflection = how.integrated(one)
+# ---- Layers of each kind
+
+
+def radial_layers(materials: Sequence[Material], integration: Integration) -> tuple[Layer, ...]:
+    """Return one layer for each material of one radial lobe."""
+
+    def layer(material: Material) -> Layer:
+        reflection, center = integration.reflection(material), material.lobes[0].center
         # For N = V = C, both R and N are C.
-        layers.append(how.layer(center, lambda C, of=reflection: of.radiance(C, C), gamma_table(center)))  # type: ignore[misc]
-    return tuple(layers)
+        return integration.layer(center, lambda C: reflection.radiance(C, C), gamma_table(center))
+
+    return tuple(map(layer, materials))
 
 
-def sliced_layers(lobe: Lobe, name: str, how: Layers, slices: int) -> tuple[Layer, ...]:
-    """Layers of a zonal lobe at equal steps of the angle between C and V."""
-    K = whole_number("slices", slices, 2, MOST_SLICES)
-    reflection = how.integrated(Material((lobe,), name))
+def sliced_layers(lobe: Lobe, name: str, integration: Integration, slices: int) -> tuple[Layer, ...]:
+    """Return layers of a zonal lobe at equal steps of the angle theta_o between C and V."""
+    count = whole_number("slices", slices, 2, MOST_SLICES)
+    reflection = integration.reflection(Material((lobe,), name))
 
-    def at(theta_o: float) -> Callable[[FloatArray], Float32Array]:
+    def layer(theta_o: float) -> Layer:
         def radiance(C: FloatArray) -> Float32Array:
             aside, _ = across(C, C)
             V = np.cos(theta_o) * C + np.sin(theta_o) * aside
             return reflection.radiance(bisector(C, V) if lobe.center == "reflection" else C, V, C)
 
-        return radiance
+        return integration.layer(lobe.center, radiance, gamma_table(lobe.center))
 
-    angles = np.linspace(0.0, largest_angle(lobe.center), K)
-    return tuple(how.layer(lobe.center, at(float(angle)), gamma_table(lobe.center)) for angle in angles)
+    return tuple(layer(float(angle)) for angle in np.linspace(0.0, largest_angle(lobe.center), count))
+
+
+def icosahedral_layers(material: Material, integration: Integration) -> tuple[Layer, ...]:
+    """Return layers of an isotropic lobe for the twelve views of `icosahedron`."""
+    lobe = material.lobes[0]
+    reflection, gamma = integration.reflection(material), gamma_table(lobe.center, lobe.transfer)
+
+    def layer(view: FloatArray) -> Layer:
+        def radiance(C: FloatArray) -> Float32Array:
+            V = np.ascontiguousarray(np.broadcast_to(view, C.shape))
+            return reflection.radiance(normals_of(lobe.center, lobe.transfer, C, V), V)
+
+        return integration.layer(lobe.center, radiance, gamma)
+
+    return tuple(map(layer, icosahedron()))
 
 
 def largest_angle(center: Center) -> float:
-    """The largest angle between C and V."""
+    """Return the largest angle between C and V, radians."""
     return np.pi / 2 if center == "normal" else np.pi

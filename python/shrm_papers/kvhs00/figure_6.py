@@ -28,7 +28,7 @@ SHARPNESS = 0.99
 REFLECTED = 0.011
 """Factor of the model with which about as much light is reflected as comes in."""
 
-ERROR = 0.003
+TOLERANCE = 0.003
 """Relative RMS error that layers are prefiltered to."""
 
 ANGLES = (44.0, 39.0, 35.0)
@@ -57,7 +57,7 @@ def make(settings: Settings) -> Result:
     material = REFLECTED * brdf.Banks(SHARPNESS)
     start = time.perf_counter()
     maps = Anisotropic.prefilter(
-        env, material, slices=slices, size=rows, error=0.05 if settings.quick else ERROR
+        env, material, slices=slices, size=rows, tolerance=0.05 if settings.quick else TOLERANCE
     )
     seconds = time.perf_counter() - start
 
@@ -98,7 +98,7 @@ def _mesh(settings: Settings) -> Mesh:
 def _notes(settings: Settings, light: int) -> list[str]:
     return [
         "Tangents run around the vertical. Layers are at equal steps of the angle between v and t, made "
-        f"hierarchically from {2 * light} x {light} texels at an error of {ERROR:.1%}; the model is "
+        f"hierarchically from {2 * light} x {light} texels to an error of {TOLERANCE:.1%}; the model is "
         f"multiplied by {REFLECTED}, so that the pot is as bright as its background.",
         "The error is relative RMS against direct integration of the same light at some of the pixels of "
         "both pictures.",

@@ -9,6 +9,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import partial
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from shrm.frequency.orders import ToleranceWarning, choose
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.frequency.relight import Prefilter
 from shrm.prefiltered import Prefiltered as Layered
-from shrm.prefiltered import of_reflection_map
+from shrm.prefiltered import Technique as Earlier
 from shrm.prefiltered.explicit import without_azimuth
 from shrm.render.mesh import Mesh
 from shrm.render.row import SUN_AZIMUTH, row_camera
@@ -32,12 +33,18 @@ from shrm.viewer.window.worker import StaleError
 
 Drawn = ReflectionMap | Layered
 
+
+def _layered(rm: ReflectionMap, material: brdf.BRDF, technique: Earlier) -> Drawn:
+    """Return the maps of an earlier technique for the light of a reflection map."""
+    return Layered.from_reflection_map(rm, material, technique=technique)
+
+
 TECHNIQUES: Mapping[Technique, Callable[[ReflectionMap, brdf.BRDF], Drawn]] = {
     "shrm": lambda rm, _: rm,
     "kautz-mccool-3d": lambda rm, _: without_azimuth(rm),
-    "kautz-mccool-2d": lambda rm, material: of_reflection_map(rm, material, "kautz-mccool-2d"),
-    "miller-heidrich": lambda rm, material: of_reflection_map(rm, material, "miller-heidrich"),
-    "cabral": lambda rm, material: of_reflection_map(rm, material, "cabral"),
+    "kautz-mccool-2d": partial(_layered, technique="kautz-mccool-2d"),
+    "miller-heidrich": partial(_layered, technique="miller-heidrich"),
+    "cabral": partial(_layered, technique="cabral"),
 }
 """How maps of each class are made of a reflection map and its material."""
 
