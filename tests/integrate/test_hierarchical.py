@@ -1,8 +1,13 @@
 """Descent in a pyramid: the sum over all texels in the end, and the error that is asked for before."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from shrm import Environment, brdf, prefilter_angular, prefilter_hierarchical
+from shrm._core import processor
 from shrm.integrate.angular import integrate
 from support import oracles
 from support.data import require
@@ -259,3 +264,37 @@ def test_small_maps_do_not_make_small_samples(size):
     expected = prefilter_hierarchical(env, lobe, threshold=0.0).radiance(N, V)
     found = prefilter_hierarchical(env, lobe, tolerance=0.01, size=size).radiance(N, V)
     assert oracles.relative_rms(found, expected) < 0.015
+
+
+ALONG_THE_NORMAL = """
+import numpy as np
+from shrm import _core
+
+H, W = 32, 64
+pixels = np.ones((H, W, 3), np.float32)
+theta = np.pi / H * (np.arange(H)[:, None] + 0.5)
+phi = np.pi - 2 * np.pi / W * (np.arange(W) + 0.5)
+across = np.sin(theta)
+towards = np.stack([across * np.cos(phi), across * np.sin(phi), np.cos(theta) + 0 * phi], axis=-1)
+towards = towards.reshape(-1, 3)
+normals = np.concatenate([towards, towards.astype(np.float32), np.nextafter(towards, 0)]).astype(float)
+radiance, _ = _core.hierarchical_isotropic(
+    pyramid=_core.Pyramid(pixels),
+    envelope=np.ones((1, 9), np.float32),
+    ratio=np.ones((3, 1, 7, 7), np.float32),
+    caps=np.array([[0.0, 1.6]] * 3),
+    threshold=0.0,
+    integral=1.0,
+    finest=0.1,
+    normals=normals,
+    views=normals,
+)
+np.testing.assert_allclose(radiance, 2 * np.pi, rtol=0.06)  # a hemisphere, to half a row about its rim
+"""
+
+
+@pytest.mark.parametrize("name", processor.instruction_sets())
+def test_light_along_the_normal_is_looked_up_inside_the_table(name: str) -> None:
+    """Where products and sums are fused, 1 - sqrt(N.L) of N.L near 1 may be below 0."""
+    environment = {**os.environ, "SHRM_INSTRUCTION_SET": name}
+    subprocess.run([sys.executable, "-c", ALONG_THE_NORMAL], env=environment, check=True, timeout=120)

@@ -12,16 +12,13 @@ inline constexpr std::size_t pair_lanes = 8;
 
 // Vectors first to first + 7; those past the end repeat the last.
 SHRM_INLINE d8vec3 load(const StridedVectors& vectors, std::size_t count, std::size_t first) {
-    d8vec3 w;
+    double components[3][pair_lanes];
     for (std::size_t lane = 0; lane < pair_lanes; ++lane) {
         const double* from =
             vectors.first + static_cast<std::ptrdiff_t>(std::min(first + lane, count - 1)) * vectors.row;
-        const int i = static_cast<int>(lane);
-        w.x[i] = from[0];
-        w.y[i] = from[vectors.component];
-        w.z[i] = from[2 * vectors.component];
+        for (int c = 0; c < 3; ++c) components[c][lane] = from[c * vectors.component];
     }
-    return w;
+    return {load(components[0]), load(components[1]), load(components[2])};
 }
 
 // Calls body(first, lanes) for every eight pairs, the last of them perhaps fewer.

@@ -59,7 +59,8 @@ struct IsotropicKernel {
         };
         Floats e = enveloped(envelope);
 
-        const Floats light = light_intervals * root(one - root(z));
+        // A root of nearly 1 may round to more than 1.
+        const Floats light = light_intervals * root(larger(one - root(z), zero));
         const Floats azimuth =
             azimuth_intervals * (0.5f - 0.5f * lx / (magnitude(lx) + magnitude(ly) + tiny));
         const Ints light_cell = truncated(light), azimuth_cell = truncated(azimuth);
