@@ -8,11 +8,11 @@ with an angle of float32 behind each.
 import os
 import subprocess
 import sys
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from shrm.brdf.lobe import RadialLobe
 from shrm.integrate.angular import integrate, prefilter_angular
 from shrm.integrate.angular_lobes import IsotropicIntegral
 from support import oracles
@@ -245,7 +245,7 @@ def test_a_map_of_every_pair_is_the_sum():
 def test_a_lobe_that_is_everywhere_sees_everything():
     # Equal weights: the mean of the picture, the texel opposite to the center included.
     pixels = noise(16, 32)
-    lobe = SimpleNamespace(center="normal", profile=lambda c: np.full_like(c, 1 / (4 * np.pi)))
+    lobe = RadialLobe("normal", lambda c: np.full_like(c, 1 / (4 * np.pi)))
     C = np.concatenate([oracles.directions(16, 32).reshape(-1, 3), -oracles.directions(16, 32)[3]])
     mean = (oracles.solid_angles(16, 32)[..., None] * pixels).sum(axis=(0, 1)) / (4 * np.pi)
     for k in (1, 2):
@@ -324,7 +324,8 @@ def test_views_at_the_ends_of_the_table():
 
 SCRIPT = """
 import numpy as np
-from shrm.integrate.angular import prefilter_angular
+from shrm.brdf.lobe import RadialLobe
+from shrm.integrate.angular import (prefilter_angular)
 from support import integrands as t, oracles
 env = t.environment(t.noise(32, 64))
 n, v = oracles.random_views(100, seed=10)

@@ -1,7 +1,5 @@
 """shrm.integrate.angular: the exact sum, maps for a view, and what happens at the door."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 import shrm
@@ -227,14 +225,12 @@ def test_bad_options_are_refused_by_name(changed, error, text):
 def test_bad_environments_and_missing_tangents():
     with pytest.raises(TypeError, match="env must be an Environment, got list"):
         prefilter_angular([[1.0]], material(phong(8)))
-    with pytest.raises(ValueError, match=r"env.pixels must have the shape \(H, W, 3\), got \(2, 4\)"):
-        integrate(SimpleNamespace(pixels=np.ones((2, 4))), material(phong(8)), [[0, 0, 1]], [0, 0, 1])
-    with pytest.raises(ValueError, match="finite"):
-        prefilter_angular(environment(np.full((2, 4, 3), np.inf)), material(phong(8)))
+    with pytest.raises(TypeError, match=r"brdf must be a material of .*, got str"):
+        prefilter_angular(ENV, "phong")
+    with pytest.raises(TypeError, match=r"brdf must be a material of .*, got RadialLobe"):
+        integrate(ENV, shrm.brdf.Phong(8).lobes[0], [[0, 0, 1]], [0, 0, 1])
     with pytest.raises(ValueError, match="tangents are None, but a lobe about the tangent needs them"):
         prefilter_angular(ENV, material(zonal(oracles.banks(0.2)))).radiance([[0, 0, 1]], [[0, 0, 1]])
-    with pytest.raises(ValueError, match="no lobes"):
-        prefilter_angular(ENV, material())
     with pytest.raises(ValueError, match="view must be unit"):
         prefilter_angular(ENV, material(phong(8)), size=4).at_view([0, 0, 3])
 
@@ -243,9 +239,9 @@ def test_no_queries_give_no_answers():
     assert ok(normals=np.zeros((0, 3)), views=np.zeros((0, 3))).shape == (0, 3)
 
 
-def test_a_picture_of_one_texel():
+def test_the_smallest_picture():
     # Everything looks alike: the exact integral is the albedo.
-    env = environment(np.full((1, 1, 3), 2.0))
+    env = environment(np.full((2, 4, 3), 2.0))
     result = prefilter_angular(env, material(phong(2)))
     assert_allclose(result.radiance([[0, 0, 1]], [[0, 0, 1]]), 2, rtol=1e-3)
 

@@ -314,7 +314,6 @@ def test_what_cannot_hold_a_residual_says_so(chrome):
         ({"residual": True}, "residual must be"),
         ({"residual": "auto", "criterion": "brdf"}, "residual='auto' is for criterion='light'"),
         ({"residual": "auto", "window": "hann"}, "without a window"),
-        ({"residual": "auto", "method": "angular"}, "residual"),
     ],
 )
 def test_bad_arguments_are_refused_in_one_line(env, arguments, text):

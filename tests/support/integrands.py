@@ -1,18 +1,42 @@
-"""Pictures and lobes for the integrators, as plain as these take them."""
+"""Pictures and lobes for the integrators: their transfer functions are the oracles'."""
 
-from types import SimpleNamespace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
+from shrm.brdf import Material
+from shrm.brdf.lobe import IsotropicLobe, RadialLobe, ZonalLobe
+from shrm.environment import Environment
 
 from support import oracles
 
 
 def material(*lobes):
-    return SimpleNamespace(lobes=lobes)
+    return Material(lobes, "material")
+
+
+@dataclass(frozen=True)
+class Radial(RadialLobe):
+    """A radial lobe whose transfer function is not made of its profile."""
+
+    oracle: Callable
+
+    def transfer(self, wi, wo):
+        return self.oracle(wi, wo)
+
+
+@dataclass(frozen=True)
+class Zonal(ZonalLobe):
+    """A zonal lobe whose transfer function is not made of its profile."""
+
+    oracle: Callable
+
+    def transfer(self, wi, wo):
+        return self.oracle(wi, wo)
 
 
 def radial(transfer, profile, center):
-    return SimpleNamespace(center=center, profile=profile, transfer=transfer)
+    return Radial(center, profile, transfer)
 
 
 def phong(s):
@@ -29,7 +53,7 @@ def lambert(color=1.0):
 
 
 def isotropic(transfer, center="lobe"):
-    return SimpleNamespace(center=center, transfer=transfer)
+    return IsotropicLobe(center, transfer)
 
 
 def zonal(transfer):
@@ -39,7 +63,7 @@ def zonal(transfer):
 
         return transfer(direction(theta_i), direction(theta_o))
 
-    return SimpleNamespace(center="tangent", profile=profile, transfer=transfer)
+    return Zonal("tangent", profile, transfer)
 
 
 def noise(H, W, seed=0):
@@ -48,4 +72,4 @@ def noise(H, W, seed=0):
 
 
 def environment(pixels):
-    return SimpleNamespace(pixels=np.asarray(pixels, dtype=np.float32))
+    return Environment(np.asarray(pixels, dtype=np.float32))

@@ -194,7 +194,7 @@ def test_any_radial_lobe_is_taken(context):
         return np.exp(-(((np.arccos(np.clip(cosine, -1, 1)) - 0.3) / 0.1) ** 2))
 
     lobe = brdf.lobe.RadialLobe("reflection", ring)
-    exact = prefilter_angular(SMOOTH, SimpleNamespace(lobes=(lobe,)), subsamples=1).radiance(D, D)
+    exact = prefilter_angular(SMOOTH, brdf.Material((lobe,), "ring"), subsamples=1).radiance(D, D)
     for filter, bound in (("exact", 0.005), ("two-pass", 0.1)):
         with HardwarePrefilter(lobe, size=128, taps=512, filter=filter, context=context) as prefilter:
             prefilter.update(SMOOTH)

@@ -146,7 +146,7 @@ def reflection_map_lines(path: str) -> list[str]:
         f"  predicted error {rm.error:.2%} ({rm.criterion}), window {rm.window or 'none'}",
     ]
     if rm.residual is not None:
-        H, W, _ = rm.residual.pixels.shape
+        H, W, _ = rm.residual.light.pixels.shape
         lines.append(f"  residual {len(rm.residual.cores)} of the lobes have a core, under {W} x {H} texels")
     for index, part in enumerate(rm.parts, start=1):
         lines.append(

@@ -20,7 +20,7 @@ from shrm.frequency.prediction import Prediction, Truncation
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.frequency.request import Request, takes
 from shrm.frequency.split_orders import CORE_SHARE
-from shrm.integrate.angular import DEFAULT_SIZE
+from shrm.integrate.queries import DEFAULT_SIZE
 from shrm.integrate.residual import Residual, residual_for
 from shrm.lobes.reflection import map_names
 

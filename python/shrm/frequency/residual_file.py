@@ -24,8 +24,9 @@ import numpy.typing as npt
 from shrm import image_io
 from shrm.arrays import FloatArray
 from shrm.brdf.lobe import Center
-from shrm.integrate.residual import LARGEST_CUT, Core, Residual
+from shrm.integrate.residual import LARGEST_CUT, Core, Light, Residual
 from shrm.integrate.saved_arrays import NamedArrays, table
+from shrm.lobes.reflection import Layout
 
 Images = Mapping[str, image_io.Part]
 
@@ -37,7 +38,7 @@ _WORDS = ("map", "center")
 
 def residual_parts(residual: Residual) -> list[image_io.Part]:
     """Return the parts of a file that hold a residual."""
-    about: dict[str, str | int | float] = {"shrm:cut": residual.cut, "shrm:cores": len(residual.cores)}
+    about: dict[str, str | int | float] = {"shrm:cut": residual.light.cut, "shrm:cores": len(residual.cores)}
     parts = [_table_part("residual.rotation", residual.rotation)]
     for k, (name, core) in enumerate(residual.cores):
         about |= {f"shrm:{k}.map": name, f"shrm:{k}.center": core.descent.center}
@@ -46,12 +47,12 @@ def residual_parts(residual: Residual) -> list[image_io.Part]:
                 parts.append(_table_part(f"residual.{k}.{key}", array))
             else:
                 about[f"shrm:{k}.{key}"] = repr(float(array))
-    light = image_io.Part(LIGHT, residual.pixels, ["R", "G", "B"], about)
+    light = image_io.Part(LIGHT, residual.light.pixels, ["R", "G", "B"], about)
     return [light, *parts]
 
 
 def read_residual(
-    images: Images, maps: Sequence[tuple[str, Center, FloatArray]], layout: str, size: int
+    images: Images, maps: Sequence[tuple[str, Center, FloatArray]], layout: Layout, size: int
 ) -> Residual:
     """Read what `residual_parts` wrote.
 
@@ -88,7 +89,7 @@ def read_residual(
     if not 1 <= count <= len(maps):
         raise ValueError(f"shrm:cores = {count}")
     cores = tuple(_core(images, about, k, by_name) for k in range(count))
-    return Residual(pixels, cut, cores, layout, size, rotation)
+    return Residual(Light(pixels, cut), cores, layout, size, rotation)
 
 
 def _core(

@@ -12,56 +12,25 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
+from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center
-from shrm.environment import layouts
-from shrm.integrate.angular_lobes import (
-    LobeIntegral,
-    RadialIntegral,
-    above_horizon,
-    kind_of,
-    lobe_integral,
-    local_frames,
-)
+from shrm.environment import Environment
+from shrm.integrate.angular_lobes import LobeIntegral, RadialIntegral, lobe_integral
+from shrm.integrate.queries import DEFAULT_SIZE, lobes_of, map_directions, pixels_of, queries
+from shrm.lobes.directions import above_horizon, local_frames
 from shrm.lobes.reflection import Layout, Reflection
-from shrm.validation import fraction, one_of, real_array, unit_vectors, whole_number
+from shrm.validation import fraction, one_of, whole_number
 
 LARGEST_SUBSAMPLES = 16
 LARGEST_CUT = 2048
 """Columns of a picture whose texels are cut for narrow lobes."""
-
-
-class Environment(Protocol):
-    """What is needed of an environment: its lat-long picture (H, W, 3), float32."""
-
-    @property
-    def pixels(self) -> Float32Array:
-        """Radiance."""
-
-
-class Lobe(Protocol):
-    """What is needed of a lobe; radial and zonal ones also have a `profile`."""
-
-    @property
-    def center(self) -> str:
-        """Center: "lobe", "reflection", "normal" or "tangent"."""
-
-    def transfer(self, wi: FloatArray, wo: FloatArray, /) -> FloatArray:
-        """rho_hat, the cosine included."""
-
-
-class Material(Protocol):
-    """What is needed of a material."""
-
-    @property
-    def lobes(self) -> Sequence[Any]:
-        """Lobes, whose sum it is."""
 
 
 # ---- The exact answer
@@ -69,7 +38,7 @@ class Material(Protocol):
 
 def integrate(
     env: Environment,
-    brdf: Material,
+    brdf: BRDF,
     normals: npt.ArrayLike,
     views: npt.ArrayLike,
     tangents: npt.ArrayLike | None = None,
@@ -84,8 +53,8 @@ def integrate(
     ----------
     env : Environment
         Its pixels (H, W, 3) are held constant over each texel.
-    brdf : material
-        Any object with `lobes`.
+    brdf : BRDF
+        The material.
     normals, views, tangents : (n, 3) array_like
         Unit vectors in the world frame; views point from the surface to the eye, and one view (3,) may serve
         all normals. Tangents are needed for lobes about the tangent and for anisotropic ones, whose frames
@@ -105,11 +74,13 @@ def integrate(
         If an argument is not as described.
     """
     pixels = pixels_of(env)
-    n, v, t = queries(brdf.lobes, normals, views, tangents)
+    lobes = lobes_of(brdf)
+    anisotropic = any(lobe.kind == "anisotropic" for lobe in lobes)
+    n, v, t = queries([lobe.center for lobe in lobes], normals, views, tangents, anisotropic=anisotropic)
     nodes, power = _nodes(pixels, whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES))
     result = np.zeros((len(n), 3))
-    for lobe in brdf.lobes:
-        kind = kind_of(lobe)
+    for lobe in lobes:
+        kind = lobe.kind
         axes, seen_from = (t, v) if lobe.center == "tangent" else (n, v)
         if kind in ("isotropic", "anisotropic"):
             axes, seen_from = above_horizon(lobe.center, n, v)
@@ -151,7 +122,7 @@ def _nodes(pixels: Float32Array, k: int) -> tuple[FloatArray, FloatArray]:
 
 def prefilter_angular(
     env: Environment,
-    brdf: Material,
+    brdf: BRDF,
     *,
     tolerance: float | None = None,
     cutoff: float | None = None,
@@ -169,8 +140,8 @@ def prefilter_angular(
     ----------
     env : Environment
         Its pixels (H, W, 3) are held constant over each texel.
-    brdf : material
-        Any object with `lobes`.
+    brdf : BRDF
+        The material.
     tolerance : float, optional
         Relative RMS error of the reflected radiance that is asked for, in (0, 1): lobes are cut as far as it
         allows. Without it and without a cutoff nothing is cut.
@@ -217,7 +188,7 @@ def prefilter_angular(
         subsamples = whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES)
     if not isinstance(symmetry, bool):
         raise TypeError(f"symmetry must be True or False, got {symmetry!r}")
-    parts = [lobe_integral(lobe, cutoff, center, symmetry) for lobe in brdf.lobes]
+    parts = [lobe_integral(lobe, cutoff, center, symmetry) for lobe in lobes_of(brdf)]
     if not parts:
         raise ValueError("brdf has no lobes, but needs at least one")
     return AngularReflection(pixels, parts, edge, layout, subsamples, symmetry)
@@ -237,9 +208,6 @@ def _cutoff(tolerance: float | None, cutoff: float | None) -> float:
     if not fraction("tolerance", tolerance) > 0:
         raise ValueError(f"tolerance must be above 0 and below 1, got {tolerance!r}")
     return CUTOFF_OF_TOLERANCE * tolerance
-
-
-DEFAULT_SIZE = {"latlong": 128, "cube": 64}
 
 
 class AngularReflection(Reflection):
@@ -332,7 +300,7 @@ class AngularReflection(Reflection):
         TypeError, ValueError
             If an argument is not as described.
         """
-        n, v, t = queries(self._parts, normals, views, tangents)
+        n, v, t = queries(self.centers, normals, views, tangents)
         result = np.zeros((len(n), 3), dtype=np.float32)
         for part in self._parts:
             result += part.radiance(self._picture, n, v, t)
@@ -359,44 +327,3 @@ class AngularReflection(Reflection):
         views = np.ascontiguousarray(np.broadcast_to(view, C.shape))
         normals = part.normals(C, views)
         return part.radiance(self._picture, normals, views, C).reshape(self._directions.shape)
-
-
-# ---- Directions
-
-
-def map_directions(layout: str, size: int) -> FloatArray:
-    """Texel directions: (size, 2 size, 3), or (6, size, size, 3) as the layout `strip` has them."""
-    if layout == "latlong":
-        return layouts.directions("latlong", size, 2 * size)
-    return layouts.directions("strip", 6 * size, size).reshape(6, size, size, 3)
-
-
-# ---- At the door
-
-
-def pixels_of(env: Environment) -> Float32Array:
-    """The picture of an environment, (H, W, 3), contiguous."""
-    if not hasattr(env, "pixels"):
-        raise TypeError(f"env must be an Environment, got {type(env).__name__}")
-    pixels = real_array("env.pixels", env.pixels)
-    if pixels.ndim != 3 or pixels.shape[2] != 3 or 0 in pixels.shape:
-        raise ValueError(f"env.pixels must have the shape (H, W, 3), got {pixels.shape}")
-    return np.ascontiguousarray(pixels, dtype=np.float32)
-
-
-def queries(
-    lobes: Sequence[Any],
-    normals: npt.ArrayLike,
-    views: npt.ArrayLike,
-    tangents: npt.ArrayLike | None,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Checked directions, each (n, 3); normals stand in for tangents that no lobe needs."""
-    n = unit_vectors("normals", normals)
-    v = unit_vectors("views", views, len(n))
-    if tangents is not None:
-        return n, v, unit_vectors("tangents", tangents, len(n))
-    if any(lobe.center == "tangent" or kind_of(lobe) == "anisotropic" for lobe in lobes):
-        raise ValueError(
-            "tangents are None, but a lobe about the tangent needs them, as does an anisotropic one: (n, 3)"
-        )
-    return n, v, n

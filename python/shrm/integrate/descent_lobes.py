@@ -15,21 +15,14 @@ import numpy as np
 
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
-from shrm.brdf.lobe import Center, IsotropicLobe, refuse_anisotropic
+from shrm.brdf.lobe import Center, IsotropicLobe, Lobe, RadialLobe, ZonalLobe, refuse_anisotropic
 from shrm.integrate import tables as lobe_tables
-from shrm.integrate.angular_lobes import (
-    above_horizon,
-    across,
-    bisector,
-    central_directions,
-    for_all_views,
-    kind_of,
-    normals_at,
-)
+from shrm.integrate.angular_lobes import for_all_views
 from shrm.integrate.radial_table import NOTHING, Profile, integral_within, radial_table
 from shrm.integrate.saved_arrays import SMALLEST, NamedArrays, angles, number, table
 from shrm.integrate.tables import Transfer
 from shrm.lobes.center import gamma_at, gamma_table, lobe_center
+from shrm.lobes.directions import above_horizon, across, bisector, central_directions, normals_at
 from shrm.lobes.split import SplitFunction
 from shrm.validation import one_of
 
@@ -76,13 +69,12 @@ class LobeDescent(Protocol):
         """Angles between C and V for cos^2(theta_v), (n,): if that is uniform, so are frames."""
 
 
-def lobe_descent(lobe: Any) -> LobeDescent:
+def lobe_descent(lobe: Lobe) -> LobeDescent:
     """Tabulate a lobe of any kind; an anisotropic one is refused."""
     refuse_anisotropic(lobe)
-    kind = kind_of(lobe)
-    if kind == "radial":
+    if isinstance(lobe, RadialLobe):
         return RadialDescent.of(lobe.center, lobe.profile)
-    if kind == "zonal":
+    if isinstance(lobe, ZonalLobe):
         return ZonalDescent(lobe.center, lobe.profile)
     return IsotropicDescent.of(lobe.center, lobe.transfer)
 

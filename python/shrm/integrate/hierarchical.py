@@ -14,10 +14,12 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
+from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center
-from shrm.integrate.angular import DEFAULT_SIZE, Environment, Material, map_directions, pixels_of, queries
-from shrm.integrate.angular_lobes import local_frames
+from shrm.environment import Environment
 from shrm.integrate.descent_lobes import LEFT_OUT, LobeDescent, lobe_descent
+from shrm.integrate.queries import DEFAULT_SIZE, lobes_of, map_directions, pixels_of, queries
+from shrm.lobes.directions import local_frames
 from shrm.lobes.reflection import Layout, Reflection
 from shrm.validation import fraction, number, one_of, whole_number
 
@@ -36,7 +38,7 @@ MARGIN = 0.8
 
 def prefilter_hierarchical(
     env: Environment,
-    brdf: Material,
+    brdf: BRDF,
     *,
     tolerance: float | None = None,
     threshold: float | None = None,
@@ -50,8 +52,8 @@ def prefilter_hierarchical(
     env : Environment
         Its texels (H, W, 3) count as points of their power at their centers, as in
         ``prefilter_angular(subsamples=1)``.
-    brdf : material
-        Any object with `lobes`. Those of one shape, such as Phong's, cost least.
+    brdf : BRDF
+        The material. Lobes of one shape, such as Phong's, cost least.
     tolerance : float, optional
         Relative RMS error asked for, against the sum over all texels, in (0, 1); default .01. It is one over
         the maps of all views together: where most of what is reflected is at grazing views or from light at
@@ -85,7 +87,7 @@ def prefilter_hierarchical(
             raise ValueError(f"tolerance must be above 0 and below 1, got {tolerance!r}")
     else:
         threshold = number("threshold", threshold, 0.0)
-    lobes = [lobe_descent(lobe) for lobe in brdf.lobes]
+    lobes = [lobe_descent(lobe) for lobe in lobes_of(brdf)]
     if not lobes:
         raise ValueError("brdf has no lobes, but needs at least one")
     return HierarchicalReflection(pixels, lobes, edge, layout, tolerance, threshold)
@@ -170,7 +172,7 @@ class HierarchicalReflection(Reflection):
         TypeError, ValueError
             If an argument is not as described.
         """
-        n, v, t = queries(self._lobes, normals, views, tangents)
+        n, v, t = queries(self.centers, normals, views, tangents)
         result = np.zeros((len(n), 3), np.float32)
         self.evaluations = 0.0
         for lobe, threshold in zip(self._lobes, self.threshold, strict=True):
@@ -251,7 +253,7 @@ def _frames(lobe: LobeDescent, centers: FloatArray, views: FloatArray) -> Frames
     return np.ascontiguousarray(lobe.normals(centers, views)), np.ascontiguousarray(views), centers
 
 
-def map_texels(layout: str, size: int) -> tuple[tuple[int, ...], npt.NDArray[np.intp], FloatArray]:
+def map_texels(layout: Layout, size: int) -> tuple[tuple[int, ...], npt.NDArray[np.intp], FloatArray]:
     """Shape of a map, the places of its texels block by block, and their directions in that order."""
     C = map_directions(layout, size)
     order = _by_blocks(C.shape[:-1])

@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -24,14 +23,15 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf import directional_albedo
 from shrm.brdf.lobe import Center, IsotropicLobe, Material, RadialLobe
 from shrm.environment.lookup import environment_lookup
-from shrm.integrate.angular_lobes import above_horizon, across, half_width, normals_at
+from shrm.integrate.angular_lobes import half_width
 from shrm.integrate.descent_lobes import IsotropicDescent, RadialDescent
 from shrm.integrate.hierarchical import map_texels
 from shrm.integrate.sampled_frames import Frames
 from shrm.integrate.saved_arrays import NamedArrays, angles, number, table
 from shrm.integrate.tables import light_quadrature, view_at, view_nodes, view_place
 from shrm.lobes.center import gamma_at, gamma_table
-from shrm.lobes.reflection import sum_by_name
+from shrm.lobes.directions import above_horizon, across, normals_at
+from shrm.lobes.reflection import Layout, sum_by_name
 from shrm.lobes.split import split
 from shrm.validation import unit_vectors
 
@@ -152,8 +152,8 @@ class Core:
 
 
 @dataclass(frozen=True, eq=False)
-class Residual:
-    """The cores of a material's lobes under one light.
+class Light:
+    """A picture whose texels are cut into smaller ones of the same radiance, and its pyramid.
 
     Attributes
     ----------
@@ -161,19 +161,46 @@ class Residual:
         The light, lat-long.
     cut : int
         Parts along each side of a texel.
-    cores : tuple of (str, Core)
-        With the names that `shrm.ReflectionMap.maps_at_view` has for the maps they belong to.
-    layout : {"latlong", "cube"}
-    size : int
-        Of maps.
-    rotation : (3, 3) float64
-        Of the light, L'(w) = L(R^T w).
     """
 
     pixels: Float32Array
     cut: int
+
+    @cached_property
+    def picture(self) -> Float32Array:
+        """The light with its texels cut: (cut H, cut W, 3)."""
+        return np.ascontiguousarray(self.pixels.repeat(self.cut, axis=0).repeat(self.cut, axis=1))
+
+    @cached_property
+    def pyramid(self) -> _core.Pyramid:
+        """The pyramid of `picture` that cores are integrated in."""
+        return _core.Pyramid(self.picture)
+
+    def __reduce__(self) -> tuple[type[Light], tuple[Float32Array, int]]:
+        """Return what is pickled: the picture and the pyramid are made again."""
+        return Light, (self.pixels, self.cut)
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """The cores of a material's lobes under one light.
+
+    Attributes
+    ----------
+    light : Light
+    cores : tuple of (str, Core)
+        With the names that `shrm.ReflectionMap.maps_at_view` has for the maps they belong to.
+    layout : {"latlong", "cube"}
+        The grid of maps.
+    size : int
+        Rows of a lat-long map, or of a cube's face.
+    rotation : (3, 3) float64
+        The rotation of the light, L'(w) = L(R^T w).
+    """
+
+    light: Light
     cores: tuple[tuple[str, Core], ...]
-    layout: str
+    layout: Layout
     size: int
     rotation: FloatArray
 
@@ -231,56 +258,39 @@ class Residual:
 
         return sum_by_name((name for name, _ in self.cores), (core_map(core) for _, core in self.cores))
 
-    def with_core(self, name: str, core: Core) -> Residual:
-        """Return the residual with another core."""
-        return self._of_the_same_light(cores=(*self.cores, (name, core)))
-
     def relit(self, pixels: Float32Array) -> Residual:
-        """Return the same cores under another light, not rotated."""
-        return replace(self, pixels=pixels, rotation=np.eye(3))
+        """Return the same cores under another light (H, W, 3), not rotated."""
+        return replace(self, light=Light(pixels, self.light.cut), rotation=np.eye(3))
 
     def rotated(self, R: FloatArray) -> Residual:
         """Return the same cores with the light rotated by R, in place of an earlier rotation."""
-        return self._of_the_same_light(rotation=R)
+        return replace(self, rotation=R)
 
-    def _of_the_same_light(self, **changes: Any) -> Residual:
-        """With other attributes; what was made of the light is kept."""
-        changed = replace(self, **changes)
-        changed.__dict__.update({name: self.__dict__[name] for name in _DERIVED if name in self.__dict__})
-        return changed
-
-    @cached_property
-    def picture(self) -> Float32Array:
-        """The light with its texels cut."""
-        return np.ascontiguousarray(self.pixels.repeat(self.cut, axis=0).repeat(self.cut, axis=1))
-
-    @cached_property
-    def pyramid(self) -> _core.Pyramid:
-        """Of the picture."""
-        return _core.Pyramid(self.picture)
+    def __repr__(self) -> str:
+        names = ", ".join(name for name, _ in self.cores)
+        H, W, _ = self.light.pixels.shape
+        return f"<Residual: cores of {names} under {H} x {W} texels>"
 
     def _of_core(self, core: Core, n: FloatArray, v: FloatArray) -> Float32Array:
-        n, v = n @ self.rotation, v @ self.rotation  # R^T n: the light stays as it was
-        order = _neighbours(2 * np.einsum("nc,nc->n", n, v)[:, None] * n - v)
-        n, v = np.ascontiguousarray(n[order]), np.ascontiguousarray(v[order])
-        found = np.empty(n.shape, np.float32)
-        found[order] = core.descent.radiance(self.pyramid, n, v, n, core.threshold)[0]
-        if core.look_up is not None:
-            found[order] += core.look_up.radiance(self.picture, n, v).astype(np.float32)
-        return found
-
-    def __getstate__(self) -> dict[str, object]:
-        """Return what is pickled: what is made of the light is made again."""
-        return {name: value for name, value in self.__dict__.items() if name not in _DERIVED}
+        # R^T n: the light stays as it was
+        return _core_radiance(self.light, core, n @ self.rotation, v @ self.rotation)
 
 
-_DERIVED = ("picture", "pyramid")
+def _core_radiance(light: Light, core: Core, n: FloatArray, v: FloatArray) -> Float32Array:
+    """What a core reflects in the frame of the light, (n, 3)."""
+    order = _neighbours(2 * np.einsum("nc,nc->n", n, v)[:, None] * n - v)
+    n, v = np.ascontiguousarray(n[order]), np.ascontiguousarray(v[order])
+    radiance = np.empty(n.shape, np.float32)
+    radiance[order] = core.descent.radiance(light.pyramid, n, v, n, core.threshold)[0]
+    if core.look_up is not None:
+        radiance[order] += core.look_up.radiance(light.picture, n, v).astype(np.float32)
+    return radiance
 
 
 def residual_for(
     pixels: Float32Array,
     cores: Sequence[tuple[str, CoreLobe, Center, FloatArray]],
-    layout: str,
+    layout: Layout,
     size: int,
     allowed: float,
 ) -> tuple[Residual, float]:
@@ -306,24 +316,27 @@ def residual_for(
     texel = max(np.pi / H, 2 * np.pi / W)
     narrowest = min(half_width(lobe) for _, lobe, _, _ in cores)
     cut = int(np.clip(np.ceil(CUT_TO * texel / narrowest), 1, max(LARGEST_CUT // max(H, W), 1)))
-    result = Residual(pixels, cut, (), layout, size, np.eye(3))
+    light = Light(pixels, cut)
+    chosen: list[tuple[str, Core]] = []
     error = 0.0
     for name, lobe, center, gamma in cores:
+        # a core of what the texels resolve, and a mirror for the rest
         resolved, narrow = _at_width(lobe, RESOLVED * texel / cut)
         descent = _descent(resolved)
         look_up = None if narrow is None else LookUp.of(narrow)
+        # the first threshold that does, or the last that helps
         frames = Frames.of(pixels, lobe)
         tried: list[tuple[float, Core]] = []
         for threshold in THRESHOLDS:
             core = Core(center, gamma, descent, threshold, look_up)
-            off = frames.error(result._of_core(core, frames.normals, frames.views))
-            tried.append((off, core))
-            if off <= allowed / len(cores) or (len(tried) > 1 and off > 0.8 * tried[-2][0]):
+            square = frames.error(_core_radiance(light, core, frames.normals, frames.views))
+            tried.append((square, core))
+            if square <= allowed / len(cores) or (len(tried) > 1 and square > 0.8 * tried[-2][0]):
                 break
-        off, core = min(tried, key=lambda one: one[0])
-        error += off
-        result = result.with_core(name, core)
-    return result, error
+        square, core = min(tried, key=lambda trial: trial[0])
+        error += square
+        chosen.append((name, core))
+    return Residual(light, tuple(chosen), layout, size, np.eye(3)), error
 
 
 def _descent(lobe: CoreLobe) -> IsotropicDescent | RadialDescent:

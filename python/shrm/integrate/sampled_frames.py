@@ -12,9 +12,9 @@ import numpy as np
 
 from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.lobe import IsotropicLobe, RadialLobe
-from shrm.integrate.angular_lobes import local_frames
 from shrm.integrate.tables import cap_at, light_quadrature, view_at
 from shrm.lobes.center import gamma_at, gamma_table
+from shrm.lobes.directions import local_frames
 from shrm.lobes.quadrature import leggauss
 
 CoreLobe = IsotropicLobe | RadialLobe

@@ -19,8 +19,9 @@ from typing import Literal, get_args
 from shrm.brdf import BRDF
 from shrm.environment import Environment
 from shrm.frequency.orders import F_MAX, P_MAX, Orders, ToleranceWarning, choose
-from shrm.integrate.angular import CUTOFF_OF_TOLERANCE, DEFAULT_SIZE
+from shrm.integrate.angular import CUTOFF_OF_TOLERANCE
 from shrm.integrate.angular_lobes import half_width, share_visited
+from shrm.integrate.queries import DEFAULT_SIZE
 from shrm.lobes.reflection import Layout
 from shrm.validation import one_of, whole_number
 

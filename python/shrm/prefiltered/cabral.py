@@ -10,8 +10,8 @@ import numpy.typing as npt
 from shrm.arrays import FloatArray
 from shrm.brdf import Material
 from shrm.brdf.lobe import Center
-from shrm.integrate.angular_lobes import across
 from shrm.lobes.center import gamma_at, gamma_table
+from shrm.lobes.directions import across
 from shrm.prefiltered.explicit import lat_long_pictures
 from shrm.prefiltered.icosahedron import VERTICES, weights
 from shrm.prefiltered.layers import Integration, Layer, icosahedral_layers

@@ -14,10 +14,11 @@ from shrm.brdf.lobe import Center, Lobe, refuse_anisotropic
 from shrm.environment import Environment
 from shrm.frequency.prefilter import prefilter as prefilter_in_frequency
 from shrm.frequency.rings import Interpolation, Rings, ring_directions
-from shrm.integrate.angular import DEFAULT_SIZE, prefilter_angular
-from shrm.integrate.angular_lobes import across, bisector, normals_of
+from shrm.integrate.angular import prefilter_angular
 from shrm.integrate.hierarchical import prefilter_hierarchical
+from shrm.integrate.queries import DEFAULT_SIZE
 from shrm.lobes.center import gamma_table
+from shrm.lobes.directions import across, bisector, normals_of
 from shrm.lobes.reflection import Layout, Reflection
 from shrm.prefiltered.icosahedron import icosahedron
 from shrm.validation import one_of, positive, require_instance, whole_number

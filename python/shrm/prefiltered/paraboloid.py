@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from shrm.arrays import Float32Array, FloatArray
 from shrm.environment.paraboloid import face_positions
-from shrm.integrate.angular_lobes import across, central_directions
+from shrm.lobes.directions import across, central_directions
 from shrm.lobes.factored import factor_at
 from shrm.validation import one_of, real_array, unit_vectors, whole_number
 

@@ -17,7 +17,7 @@ from shrm.environment import Environment
 from shrm.files import PathLike
 from shrm.frequency.rings import Interpolation
 from shrm.image_io import ImageError
-from shrm.integrate.angular_lobes import across, central_directions
+from shrm.lobes.directions import across, central_directions
 from shrm.lobes.reflection import Layout, Reflection
 from shrm.prefiltered import file
 from shrm.prefiltered.layers import Integration, Layer, Method, material_of_one_lobe

@@ -1,0 +1,88 @@
+"""What all integrators take: the light's picture, directions of queries, and grids of maps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy.typing as npt
+
+from shrm.arrays import Float32Array, FloatArray
+from shrm.brdf import BRDF
+from shrm.brdf.lobe import Center, Lobe
+from shrm.environment import Environment, layouts
+from shrm.lobes.reflection import Layout
+from shrm.validation import require_instance, unit_vectors
+
+DEFAULT_SIZE: dict[Layout, int] = {"latlong": 128, "cube": 64}
+"""Rows of a lat-long map, and of a cube's face, unless asked for."""
+
+
+def map_directions(layout: Layout, size: int) -> FloatArray:
+    """Return the directions of texels: (size, 2 size, 3), or (6, size, size, 3) as `strip` has them."""
+    if layout == "latlong":
+        return layouts.directions("latlong", size, 2 * size)
+    return layouts.directions("strip", 6 * size, size).reshape(6, size, size, 3)
+
+
+def pixels_of(env: Environment) -> Float32Array:
+    """Return the picture of an environment, (H, W, 3).
+
+    Raises
+    ------
+    TypeError
+        If it is no Environment.
+    """
+    require_instance("env", env, Environment)
+    return env.pixels
+
+
+def lobes_of(brdf: BRDF) -> tuple[Lobe, ...]:
+    """Return the lobes of a material.
+
+    Raises
+    ------
+    TypeError
+        If it is no material.
+    """
+    require_instance("brdf", brdf, BRDF, what="a material of shrm.brdf")
+    return brdf.lobes
+
+
+def queries(
+    centers: Sequence[Center],
+    normals: npt.ArrayLike,
+    views: npt.ArrayLike,
+    tangents: npt.ArrayLike | None,
+    *,
+    anisotropic: bool = False,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Check the directions of queries; normals stand in for tangents that no lobe needs.
+
+    Parameters
+    ----------
+    centers : sequence of {"lobe", "reflection", "normal", "tangent"}
+        Those of the lobes.
+    normals : (n, 3) array_like
+    views : (n, 3) or (3,) array_like
+    tangents : (n, 3) array_like, optional
+    anisotropic : bool
+        Whether a lobe depends on the tangent though it is not about it.
+
+    Returns
+    -------
+    normals, views, tangents : (n, 3) float64
+
+    Raises
+    ------
+    TypeError, ValueError
+        If they are not unit vectors of these shapes, or tangents are missing.
+    """
+    n = unit_vectors("normals", normals)
+    v = unit_vectors("views", views, len(n))
+    if tangents is not None:
+        return n, v, unit_vectors("tangents", tangents, len(n))
+    if anisotropic or "tangent" in centers:
+        raise ValueError(
+            "tangents are None, but a lobe about the tangent needs them, as does an anisotropic one: (n, 3)"
+        )
+    return n, v, n
