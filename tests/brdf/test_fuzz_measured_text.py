@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from shrm.brdf.measured import alta, cornell, curet, resampled, text
-from shrm.brdf.measured.material import Measured
+from shrm.brdf.measured.measured import Measured
 from support.directions import hemisphere
 
 Read = Callable[[Path], Measured]

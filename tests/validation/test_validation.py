@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from shrm import validation
+from shrm.brdf import GGX, require_brdf
 from shrm.environment import Environment, require_environment
 
 HUGE = np.full((2, 3), 1e39)
@@ -99,6 +100,7 @@ HUGE = np.full((2, 3), 1e39)
             "a must be an array of float32, got float64",
         ),
         (lambda: require_environment(HUGE), TypeError, "env must be an Environment, got ndarray"),
+        (lambda: require_brdf("ggx"), TypeError, "brdf must be a material of shrm.brdf, got str"),
     ],
 )
 def test_refusals_say_what_it_must_be_and_what_it_was(
@@ -130,5 +132,6 @@ def test_one_value_of_a_large_array_is_found() -> None:
         validation.require_finite("a", large)
 
 
-def test_environments_pass() -> None:
+def test_materials_and_environments_pass() -> None:
+    require_brdf(GGX(0.1))
     require_environment(Environment(np.ones((2, 4, 3), np.float32)))

@@ -4,7 +4,9 @@ A material (`BRDF`) is a sum of lobes, each a transfer function about its own ce
 can be evaluated on arrays of directions, added to others and scaled. Adding a model is writing one
 function of (wi, wo).
 
-    lobe          the lobes and the material; start here
+    lobe          transfer functions about a center; start here
+    material      their sums: `BRDF`, what all models are
+    value         what makes them equal, hashable and picklable
     lambert       about the normal
     phong         about the reflection
     microfacet    lafortune    ggx    beckmann    tabulated    about the lobe center
@@ -21,16 +23,8 @@ function of (wi, wo).
 
 from shrm.brdf import fits
 from shrm.brdf.albedo import directional_albedo
-from shrm.brdf.lobe import (
-    BRDF,
-    AnisotropicLobe,
-    Center,
-    IsotropicLobe,
-    Lobe,
-    Material,
-    RadialLobe,
-    ZonalLobe,
-)
+from shrm.brdf.lobe import AnisotropicLobe, Center, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
+from shrm.brdf.material import BRDF, Material, require_brdf
 from shrm.brdf.measured import Measured, MeasurementError, load
 from shrm.brdf.models.abc_model import ABC
 from shrm.brdf.models.anisotropic_ggx import AnisotropicGGX
@@ -80,4 +74,5 @@ __all__ = [
     "from_function",
     "load",
     "parse",
+    "require_brdf",
 ]

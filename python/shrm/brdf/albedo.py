@@ -28,7 +28,8 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import FloatArray
-from shrm.brdf.lobe import BRDF, AnisotropicLobe, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
+from shrm.brdf.lobe import AnisotropicLobe, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
+from shrm.brdf.material import BRDF, require_brdf
 from shrm.validation import number, real_array
 
 # Panels halve this often: the smallest, pi / 2^22, is below the narrowest lobe allowed.
@@ -61,8 +62,7 @@ def directional_albedo(brdf: BRDF, cos_theta_v: npt.ArrayLike, phi_v: float = 0.
     TypeError, ValueError
         If an argument is not as above.
     """
-    if not isinstance(brdf, BRDF):
-        raise TypeError(f"brdf must be a material, got {brdf!r}")
+    require_brdf(brdf)
     cosines = real_array("cos_theta_v", cos_theta_v)
     lowest = 0.0 if brdf.frame == "normal" else -1.0
     if cosines.ndim != 1 or np.any((cosines < lowest) | (cosines > 1.0)):

@@ -17,18 +17,19 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import FloatArray, IntArray
+from shrm.brdf.value import Value
 
 Axes = Literal["angles", "half-angle"]
 
 
-@dataclass(frozen=True, eq=False)
-class AngleTable:
+@dataclass(frozen=True, eq=False, repr=False)
+class AngleTable(Value):
     """Values on a grid over three angles.
 
     Attributes
     ----------
     values : (n1, n2, n3, channels) float32 or float64
-        In C order, finite; 1 or 3 channels; n >= 2. Not checked here.
+        In C order, finite; 1 or 3 channels; n >= 2. Not checked here, and read-only from now on.
     axes : {"angles", "half-angle"}
         What the angles are.
     nodes : {"ends", "centers"}
@@ -43,6 +44,9 @@ class AngleTable:
     axes: Axes
     nodes: Literal["ends", "centers"] = "ends"
     warp: Literal["uniform", "square-root"] = "uniform"
+
+    def __post_init__(self) -> None:
+        self.values.setflags(write=False)
 
     def __call__(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Interpolate.

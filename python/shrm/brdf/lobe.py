@@ -1,4 +1,4 @@
-"""Lobes and materials: what the rest of shrm sees of a BRDF.
+"""Lobes: transfer functions with a central direction, the parts of every material.
 
 A *lobe* is a transfer function rho_hat(wi, wo) with a central direction C. It is the BRDF times
 the cosine N.L where the model has one, and it is zero below the horizon, so that the reflected
@@ -19,7 +19,8 @@ The central direction, with theta_v the angle between N and V [RH02 sec. 3.1]:
     "lobe"          C in the plane of N and V, at the energy-weighted mean direction of the lobe
     "tangent"       C = T
 
-A *material* (`BRDF`) is a sum of lobes, each with its own center.
+A lobe is a value: equal lobes are those of equal functions about the same center. Its function must not
+change once the lobe is made.
 """
 
 from __future__ import annotations
@@ -27,22 +28,44 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
-from typing import ClassVar, Literal, get_args
+from typing import ClassVar, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from shrm.arrays import FloatArray
-from shrm.brdf import parameters
-from shrm.validation import RGB, number_or_rgb, one_of, unit_vectors
+from shrm.brdf.value import Value
+from shrm.validation import RGB, one_of
 
 Center = Literal["lobe", "reflection", "normal", "tangent"]
 Frame = Literal["normal", "tangent"]
 Kind = Literal["radial", "zonal", "isotropic", "anisotropic"]
 
 
-class Lobe(ABC):
+@dataclass(frozen=True, eq=False, repr=False)
+class Scaled(Value):
+    """A lobe's function or profile times a number, or times one per channel.
+
+    Attributes
+    ----------
+    function : callable
+        Arrays of n directions or angles to (n,) or (n, 3) float64.
+    factor : float or three floats
+        What its values are multiplied by.
+    """
+
+    function: Callable[..., FloatArray]
+    factor: float | RGB
+
+    def __call__(self, *angles: FloatArray) -> FloatArray:
+        """Evaluate the function, (n,), or (n, 3) where it or the factor has three channels."""
+        values = self.function(*angles)
+        if isinstance(self.factor, float):
+            return np.asarray(values * self.factor)
+        columns = values if values.ndim == 2 else values[:, None]
+        return np.asarray(columns * np.array(self.factor))
+
+
+class Lobe(ABC, Value):
     """A transfer function with a central direction.
 
     Attributes
@@ -89,7 +112,7 @@ class Lobe(ABC):
         return 1 if self.transfer(z, z).ndim == 1 else 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class RadialLobe(Lobe):
     """A lobe of fixed shape, symmetric about C: rho_hat = profile(C.L), [RH02 sec. 3.1].
 
@@ -117,10 +140,10 @@ class RadialLobe(Lobe):
 
     def scaled(self, factor: float | RGB) -> RadialLobe:
         """Return the lobe times a number, or times one per channel."""
-        return replace(self, profile=lambda cos_theta_i: _times(self.profile(cos_theta_i), factor))
+        return replace(self, profile=Scaled(self.profile, factor))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ZonalLobe(Lobe):
     """A lobe symmetric about C for every view: rho_hat = profile(theta_i, theta_o).
 
@@ -162,10 +185,10 @@ class ZonalLobe(Lobe):
 
     def scaled(self, factor: float | RGB) -> ZonalLobe:
         """Return the lobe times a number, or times one per channel."""
-        return replace(self, profile=lambda theta_i, theta_o: _times(self.profile(theta_i, theta_o), factor))
+        return replace(self, profile=Scaled(self.profile, factor))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class IsotropicLobe(Lobe):
     """Any lobe that keeps its value when L and V turn together about N, or are mirrored together.
 
@@ -193,10 +216,10 @@ class IsotropicLobe(Lobe):
 
     def scaled(self, factor: float | RGB) -> IsotropicLobe:
         """Return the lobe times a number, or times one per channel."""
-        return replace(self, function=lambda wi, wo: _times(self.function(wi, wo), factor))
+        return replace(self, function=Scaled(self.function, factor))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class AnisotropicLobe(Lobe):
     """A lobe of four angles, which no reflection map holds: it depends on each azimuth from the tangent.
 
@@ -216,7 +239,7 @@ class AnisotropicLobe(Lobe):
 
     def scaled(self, factor: float | RGB) -> AnisotropicLobe:
         """Return the lobe times a number, or times one per channel."""
-        return AnisotropicLobe(lambda wi, wo: _times(self.function(wi, wo), factor))
+        return AnisotropicLobe(Scaled(self.function, factor))
 
 
 def refuse_anisotropic(lobe: object) -> None:
@@ -228,218 +251,10 @@ def refuse_anisotropic(lobe: object) -> None:
         )
 
 
-class BRDF(ABC):
-    """A material: a sum of lobes, each with its own center.
-
-    `a + b` is the material that reflects what both reflect; `0.5 * a` and `(1, 0.5, 0.2) * a`
-    scale it, per channel where three numbers are given. Factors are at least 0.
-
-    The package's own materials do not change: what is computed for one is kept, and found for its equals.
-    """
-
-    # So that numpy's scalars and arrays leave `factor * material` to `__rmul__`.
-    __array_ufunc__ = None
-
-    @property
-    @abstractmethod
-    def lobes(self) -> tuple[Lobe, ...]:
-        """The lobes whose sum the material is, in a fixed order."""
-
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """A short text such as "ggx(alpha=0.1)"; `parse` reads those of analytic materials."""
-
-    @property
-    def channels(self) -> Literal[1, 3]:
-        """3 if any lobe has three channels, else 1."""
-        return 3 if any(lobe.channels == 3 for lobe in self.lobes) else 1
-
-    @property
-    def frame(self) -> Frame:
-        """The frame that all lobes share: "normal" or "tangent".
-
-        Raises
-        ------
-        ValueError
-            If some are about the tangent and some are not.
-        """
-        frames = {lobe.frame for lobe in self.lobes}
-        if len(frames) > 1:
-            raise ValueError(
-                f"{self.name} has lobes about the tangent and lobes about the normal, "
-                "which share no frame: evaluate its lobes one by one"
-            )
-        return frames.pop()
-
-    def transfer(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> FloatArray:
-        """Evaluate rho_hat, the sum over the lobes, the cosine included.
-
-        Parameters
-        ----------
-        wi, wo : (n, 3) array_like
-            Unit vectors to the light and to the eye in the frame x = tangent, z = normal (a
-            material about the tangent: z = T).
-
-        Returns
-        -------
-        (n,) or (n, 3) float64
-            Per steradian.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `wi` or `wo` is not an array of n unit vectors, or the lobes share no frame.
-        """
-        directions_i, directions_o = unit_vectors("wi", wi), unit_vectors("wo", wo)
-        if directions_i.shape != directions_o.shape:
-            raise ValueError(
-                f"wi and wo must have the same shape, got {directions_i.shape} and {directions_o.shape}"
-            )
-        self.frame  # noqa: B018  (refuses lobes that share no frame)
-        return _sum_of_transfers(self.lobes, directions_i, directions_o)
-
-    def recentered(self, center: Center, *, merge: bool = False) -> BRDF:
-        """Return the same material with its lobes about another center.
-
-        Lobes that are exactly symmetric (radial) about their own center keep it, unless they are merged.
-
-        Parameters
-        ----------
-        center : {"lobe", "reflection", "normal"}
-            The new center of the isotropic lobes. ("tangent" leaves a material about the tangent
-            as it is.)
-        merge : bool
-            Put everything, a diffuse lobe included, into one isotropic lobe about `center`; with
-            "reflection" that is how [RH02] treats materials with a diffuse part (footnote 6).
-
-        Raises
-        ------
-        ValueError
-            If no such material exists; the text says why.
-        """
-        one_of("center", center, get_args(Center))
-        if _does_not_change(self):
-            return _kept_recentered(self, center, bool(merge))
-        return _recentered(self, center, bool(merge))
-
-    def __add__(self, other: object) -> BRDF:
-        if not isinstance(other, BRDF):
-            return NotImplemented
-        return Material(self.lobes + other.lobes, f"{self.name} + {other.name}")
-
-    def __mul__(self, factor: object) -> BRDF:
-        if isinstance(factor, BRDF):
-            return NotImplemented
-        weight = number_or_rgb(f"{self.name}: factor", factor, 0.0)
-        terms = (f"{parameters.text(weight)}*{term}" for term in self.name.split(" + "))
-        return Material(tuple(lobe.scaled(weight) for lobe in self.lobes), " + ".join(terms))
-
-    def __rmul__(self, factor: object) -> BRDF:
-        return self * factor
-
-    def __repr__(self) -> str:
-        lobes = ", ".join(
-            f"{type(lobe).__name__} about the {_CENTER_TEXT[lobe.center]}" for lobe in self.lobes
-        )
-        return f"<{type(self).__name__} {self.name}: {lobes}>"
-
-
-class Material(BRDF):
-    """A material given by its lobes: what sums, products and `recentered` return.
-
-    Parameters
-    ----------
-    lobes : sequence of Lobe
-        At least one.
-    name : str
-        A short text.
-    """
-
-    def __init__(self, lobes: tuple[Lobe, ...], name: str):
-        self._lobes = tuple(lobes)
-        self._name = name
-        if not self._lobes or not all(isinstance(lobe, Lobe) for lobe in self._lobes):
-            raise TypeError(f"Material: lobes must be one or more Lobe objects, got {lobes!r}")
-
-    @property
-    def lobes(self) -> tuple[Lobe, ...]:
-        """The lobes it was made of."""
-        return self._lobes
-
-    @property
-    def name(self) -> str:
-        """The name it was given."""
-        return self._name
-
-
-def _does_not_change(material: BRDF) -> bool:
-    """Whether a material is a frozen dataclass that can be hashed, as all models of this package are."""
-    parameters_of = getattr(type(material), "__dataclass_params__", None)
-    if parameters_of is None or not parameters_of.frozen:
-        return False
-    try:
-        hash(material)
-    except TypeError:
-        return False
-    return True
-
-
-def _recentered(material: BRDF, center: Center, merge: bool) -> BRDF:
-    """See `BRDF.recentered`."""
-    wanted = "tangent" if center == "tangent" else "normal"
-    if any(lobe.frame != wanted for lobe in material.lobes):
-        raise ValueError(
-            f"{material.name} cannot be centered on the {_CENTER_TEXT[center]}: a lobe about the tangent has "
-            "no normal, and a lobe about the normal, the reflection or the lobe center depends on it"
-        )
-    if not merge:
-        moved = (
-            replace(lobe, center=center) if isinstance(lobe, IsotropicLobe) else lobe
-            for lobe in material.lobes
-        )
-        return Material(tuple(moved), material.name)
-    if center == "tangent":
-        raise ValueError(f"{material.name} cannot be merged about the tangent: its lobes have no normal")
-    for lobe in material.lobes:
-        refuse_anisotropic(lobe)
-    if any(_has_no_horizon(lobe) for lobe in material.lobes):
-        raise ValueError(
-            f"{material.name} cannot be merged: its lobe about the reflection has no horizon, "
-            "and an isotropic lobe is zero below it"
-        )
-    lobes = material.lobes
-    return Material((IsotropicLobe(center, lambda wi, wo: _sum_of_transfers(lobes, wi, wo)),), material.name)
-
-
-# Equal materials give the same one, so that what is kept for it is found again.
-_kept_recentered = lru_cache(maxsize=64)(_recentered)
-
-_CENTER_TEXT = {"lobe": "lobe center", "reflection": "reflection", "normal": "normal", "tangent": "tangent"}
-
-
-def _has_no_horizon(lobe: Lobe) -> bool:
-    return isinstance(lobe, ZonalLobe) or (isinstance(lobe, RadialLobe) and lobe.center == "reflection")
-
-
 def _colatitude(w: FloatArray) -> FloatArray:
-    """Angles (n,) of unit vectors (n, 3) from z, accurate near 0 and pi."""
+    """Return the angles (n,) of unit vectors (n, 3) from z, accurate near 0 and pi."""
     return np.asarray(np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2]))
 
 
 def _require_center(lobe: Lobe, *centers: Center) -> None:
     one_of(f"{type(lobe).__name__}: center", lobe.center, centers)
-
-
-def _times(values: FloatArray, factor: float | RGB) -> FloatArray:
-    if isinstance(factor, float):
-        return np.asarray(values * factor)
-    columns = values if values.ndim == 2 else values[:, None]
-    return np.asarray(columns * np.array(factor))
-
-
-def _sum_of_transfers(lobes: tuple[Lobe, ...], wi: FloatArray, wo: FloatArray) -> FloatArray:
-    parts = [lobe.transfer(wi, wo) for lobe in lobes]
-    if any(part.ndim == 2 for part in parts):
-        parts = [part if part.ndim == 2 else part[:, None] for part in parts]
-    return np.asarray(sum(parts[1:], start=parts[0]))

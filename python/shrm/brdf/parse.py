@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from shrm.brdf import fits
-from shrm.brdf.lobe import BRDF
+from shrm.brdf.material import BRDF
 from shrm.brdf.measured import Extrapolate, load
 from shrm.brdf.models.abc_model import ABC
 from shrm.brdf.models.anisotropic_ggx import AnisotropicGGX

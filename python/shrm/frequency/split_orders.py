@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from shrm.brdf import BRDF
-from shrm.brdf.lobe import IsotropicLobe, Lobe, Material, RadialLobe
+from shrm.brdf.lobe import IsotropicLobe, Lobe, RadialLobe
+from shrm.brdf.material import Material
 from shrm.environment import Environment
 from shrm.frequency.analysis import analyse
 from shrm.frequency.orders import FORGIVEN, LightPower, Measure, analysed

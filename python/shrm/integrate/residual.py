@@ -21,7 +21,8 @@ import numpy.typing as npt
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf import directional_albedo
-from shrm.brdf.lobe import Center, IsotropicLobe, Material, RadialLobe
+from shrm.brdf.lobe import Center, IsotropicLobe, RadialLobe
+from shrm.brdf.material import Material
 from shrm.environment.lookup import environment_lookup
 from shrm.integrate.angular_lobes import half_width
 from shrm.integrate.descent_lobes import IsotropicDescent, RadialDescent

@@ -15,7 +15,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from shrm.brdf.lobe import BRDF
+from shrm.brdf.material import BRDF
 from shrm.brdf.models.abc_model import ABC
 from shrm.brdf.models.lafortune import Lafortune
 from shrm.brdf.models.sgd import SGD

@@ -14,6 +14,6 @@ References for the formats stand in the modules that read them.
 """
 
 from shrm.brdf.measured.load import load, recognised
-from shrm.brdf.measured.material import Extrapolate, Measured, MeasurementError
+from shrm.brdf.measured.measured import Extrapolate, Measured, MeasurementError
 
 __all__ = ["Extrapolate", "Measured", "MeasurementError", "load", "recognised"]

@@ -30,15 +30,17 @@ Each is the value of the bin of MERL in which theta_h, taken as it is written, l
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from shrm.arrays import BoolArray, FloatArray
 from shrm.brdf.measured import text
-from shrm.brdf.measured.material import Extrapolate, Measured
-from shrm.brdf.measured.resampled import Covers, Function, cones, from_half_angles, resampled, within
+from shrm.brdf.measured.measured import Extrapolate, Measured
+from shrm.brdf.measured.resampled import Cones, Covers, Function, from_half_angles, resampled, within
 from shrm.brdf.measured.scattered import GRAZING, MOST_PLACES, interpolated
+from shrm.brdf.value import Method, Value
 
 COORDINATES: Mapping[str, tuple[tuple[str, float, float], ...]] = {
     "COS_TH": (("cos(theta_h)", 0.0, 1.0),),
@@ -58,6 +60,9 @@ COORDINATES: Mapping[str, tuple[tuple[str, float, float], ...]] = {
 
 CHANNELS: Mapping[str, int] = {"RGB_COLOR": 3, "INV_STERADIAN": 1}
 """Numbers of each PARAM_OUT."""
+
+_ROUNDING = 1e-9
+"""Radians by which the angles of a row itself may exceed it."""
 
 
 def recognises(head: bytes, size: int) -> bool:
@@ -111,62 +116,98 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
         wi, wo = wi[above], wo[above]
         theta_i, theta_o = (min(float(np.arccos(w[:, 2].min())), float(GRAZING)) for w in (wi, wo))
         brdf = interpolated(wi, wo, values[above])
-        covers = cones(theta_i, theta_o)
+        covers = Cones(theta_i, theta_o)
         function = resampled(
             lambda wi, wo: brdf(within(wi, theta_i), within(wo, theta_o)), covers, extrapolate
         )
     return Measured(path.stem, "ALTA", function, covers, extrapolate, tuple(notes))
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class HalfAngleProfile(Value):
+    """A BRDF of theta_h alone, linear between rows, times N.L.
+
+    Attributes
+    ----------
+    theta_h : (n,) float64
+        Increasing, radians.
+    values : (3, n) float64
+        The BRDF there.
+    extrapolate : {"nearest", "zero"}
+        What there is beyond the last row.
+    """
+
+    theta_h: FloatArray
+    values: FloatArray
+    extrapolate: Extrapolate
+
+    def __call__(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat, (n, 3) float64, at unit vectors (n, 3)."""
+        at = _half_angle(wi, wo)
+        result = np.stack([np.interp(at, self.theta_h, column) for column in self.values], axis=1)
+        inside = at <= self.theta_h[-1] + _ROUNDING
+        result *= wi[:, 2:] if self.extrapolate == "nearest" else (wi[:, 2] * inside)[:, None]
+        return result
+
+    def covers(self, wi: FloatArray, wo: FloatArray) -> BoolArray:
+        """Tell, (n,) bool, where there is data."""
+        return np.asarray(_half_angle(wi, wo) <= self.theta_h[-1] + _ROUNDING)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HalfAngleLimits(Value):
+    """True where theta_h and theta_d are within the last rows, radians."""
+
+    theta_h: float
+    theta_d: float
+
+    def __call__(self, wi: FloatArray, wo: FloatArray) -> BoolArray:
+        """Tell, (n,) bool, for unit vectors (n, 3)."""
+        theta_h, theta_d = _half_and_difference_angles(wi, wo)
+        return np.asarray((theta_h <= self.theta_h + _ROUNDING) & (theta_d <= self.theta_d + _ROUNDING))
+
+
+def _half_angle(wi: FloatArray, wo: FloatArray) -> FloatArray:
+    """Return theta_h (n,), radians."""
+    h = wi + wo
+    return np.asarray(np.arctan2(np.hypot(h[:, 0], h[:, 1]), h[:, 2]))
+
+
+def _half_and_difference_angles(wi: FloatArray, wo: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return theta_h and theta_d, (n,) each, radians."""
+    theta_d = np.arctan2(np.linalg.norm(wi - wo, axis=1), np.linalg.norm(wi + wo, axis=1))
+    return _half_angle(wi, wo), theta_d
+
+
 def _of_half_angle(
     theta_h: FloatArray, values: FloatArray, extrapolate: Extrapolate
 ) -> tuple[Function, Covers]:
-    """The functions of a material that depends on theta_h alone: linear between the rows."""
+    """Return the function of a material that depends on theta_h alone, and where it has data."""
     order = np.argsort(theta_h)
     nodes, columns = theta_h[order], np.ascontiguousarray(values[order].T)
-    last = nodes[-1] + 1e-9
-
-    def half_angle(wi: FloatArray, wo: FloatArray) -> FloatArray:
-        h = wi + wo
-        return np.asarray(np.arctan2(np.hypot(h[:, 0], h[:, 1]), h[:, 2]))
-
-    def covers(wi: FloatArray, wo: FloatArray) -> BoolArray:
-        return np.asarray(half_angle(wi, wo) <= last)
-
-    def function(wi: FloatArray, wo: FloatArray) -> FloatArray:
-        at = half_angle(wi, wo)
-        result = np.stack([np.interp(at, nodes, column) for column in columns], axis=1)
-        result *= wi[:, 2:] if extrapolate == "nearest" else (wi[:, 2] * (at <= last))[:, None]
-        return result
-
-    return function, covers
+    for array in (nodes, columns):
+        array.setflags(write=False)
+    profile = HalfAngleProfile(nodes, columns, extrapolate)
+    return profile, Method(HalfAngleProfile.covers, profile)
 
 
 def _of_half_and_difference(
     coordinates: FloatArray, values: FloatArray, extrapolate: Extrapolate
 ) -> tuple[Function, Covers]:
-    """The functions of a material that depends on theta_h and theta_d alone."""
-    last_h, last_d = coordinates.max(axis=0)
+    """Return the function of a material that depends on theta_h and theta_d alone, and where it has data."""
+    last_h, last_d = (float(last) for last in coordinates.max(axis=0))
 
     # phi_d = 90 degrees, where light and eye are equally far from the normal, stands for all.
     def level(theta_h: FloatArray, theta_d: FloatArray) -> tuple[FloatArray, FloatArray]:
         return from_half_angles(theta_h, theta_d, np.full(len(theta_h), np.pi / 2))
 
-    def angles(wi: FloatArray, wo: FloatArray) -> tuple[FloatArray, FloatArray]:
-        h = wi + wo
-        theta_h = np.arctan2(np.hypot(h[:, 0], h[:, 1]), h[:, 2])
-        return theta_h, np.arctan2(np.linalg.norm(wi - wo, axis=1), np.linalg.norm(h, axis=1))
-
-    def covers(wi: FloatArray, wo: FloatArray) -> BoolArray:
-        theta_h, theta_d = angles(wi, wo)
-        return np.asarray((theta_h <= last_h + 1e-9) & (theta_d <= last_d + 1e-9))
-
     between = interpolated(*level(coordinates[:, 0], coordinates[:, 1]), values)
 
     def brdf(wi: FloatArray, wo: FloatArray) -> FloatArray:
-        theta_h, theta_d = angles(wi, wo)
+        theta_h, theta_d = _half_and_difference_angles(wi, wo)
         return between(*level(np.minimum(theta_h, last_h), np.minimum(theta_d, last_d)))
 
+    covers = HalfAngleLimits(last_h, last_d)
     return resampled(brdf, covers, extrapolate), covers
 
 

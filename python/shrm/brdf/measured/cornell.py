@@ -23,8 +23,8 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf.measured import text
-from shrm.brdf.measured.material import Extrapolate, Measured
-from shrm.brdf.measured.resampled import cones, resampled, within
+from shrm.brdf.measured.measured import Extrapolate, Measured
+from shrm.brdf.measured.resampled import Cones, resampled, within
 from shrm.brdf.measured.scattered import GRAZING, MOST_PLACES, interpolated
 from shrm.brdf.measured.spectrum import linear_srgb_from_xyz, to_xyz
 
@@ -88,7 +88,7 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
         notes.append(f"{missing} geometries have negative values: no data, filled from the others")
     brdf = interpolated(wi, wo, xyz)
     theta_i, theta_s = (min(float(angles[:, column].max()), GRAZING) for column in (0, 2))
-    covers = cones(theta_i, theta_s)
+    covers = Cones(theta_i, theta_s)
     function = resampled(
         lambda wi, wo: linear_srgb_from_xyz(brdf(within(wi, theta_i), within(wo, theta_s))),
         covers,

@@ -27,8 +27,8 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf.measured import koenderink_van_doorn, text
-from shrm.brdf.measured.material import Extrapolate, Measured
-from shrm.brdf.measured.resampled import Function, cones, resampled, within
+from shrm.brdf.measured.measured import Extrapolate, Measured
+from shrm.brdf.measured.resampled import Cones, Function, resampled, within
 
 MEASUREMENTS = 205
 """Of a sample of the database."""
@@ -198,7 +198,7 @@ def _material(
     below = _share_below_zero(brdf)
     if below > 0.0:
         notes.append(f"the fit is below 0, and cut there, at {100.0 * below:.2g}% of directions")
-    covers = cones(limit, limit)
+    covers = Cones(limit, limit)
     function = resampled(
         lambda wi, wo: np.maximum(brdf(within(wi, limit), within(wo, limit)), 0.0), covers, extrapolate
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Protocol, get_args
 
 from shrm.brdf.measured import alta, cornell, curet, merl, rgl
-from shrm.brdf.measured.material import Extrapolate, Measured, MeasurementError
+from shrm.brdf.measured.measured import Extrapolate, Measured, MeasurementError
 from shrm.files import PathLike
 from shrm.validation import one_of, whole_number
 

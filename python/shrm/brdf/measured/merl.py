@@ -28,7 +28,8 @@ import numpy as np
 
 from shrm.arrays import BoolArray, Float32Array, FloatArray
 from shrm.brdf.angle_table import AngleTable
-from shrm.brdf.measured.material import Extrapolate, Measured
+from shrm.brdf.measured.measured import Extrapolate, Measured
+from shrm.brdf.value import Method, Value
 
 SCALE = (1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0)
 """From the numbers of a file to the BRDF, per steradian, by channel."""
@@ -72,25 +73,40 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
         values[~has_data] = 0.0
     else:
         _fill(values, has_data)
-    material = _Material(AngleTable(values, "half-angle", "centers", "square-root"), has_data)
-    function = material.covered_values if extrapolate == "zero" else material.values
-    return Measured(path.stem, "MERL", function, material.covers, extrapolate, notes)
+    has_data.setflags(write=False)
+    table = MerlTable(AngleTable(values, "half-angle", "centers", "square-root"), has_data)
+    evaluate = MerlTable.covered_values if extrapolate == "zero" else MerlTable.values
+    covers = Method(MerlTable.covers, table)
+    return Measured(path.stem, "MERL", Method(evaluate, table), covers, extrapolate, notes)
 
 
-@dataclass(frozen=True)
-class _Material:
+@dataclass(frozen=True, eq=False, repr=False)
+class MerlTable(Value):
+    """A table of the database, filled, and which of its entries were measured.
+
+    Attributes
+    ----------
+    table : AngleTable
+        The BRDF without the cosine.
+    has_data : (n_h, n_d, n_phi) bool
+        False where an entry was filled.
+    """
+
     table: AngleTable
     has_data: BoolArray
 
     def values(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat, (n, 3) float64, at unit vectors (n, 3) above the horizon."""
         values = self.table(wi, wo)
         values *= wi[:, 2:]
         return values
 
     def covered_values(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat, black where there is no data."""
         return np.asarray(self.values(wi, wo) * self.covers(wi, wo)[:, None])
 
     def covers(self, wi: FloatArray, wo: FloatArray) -> BoolArray:
+        """Tell, (n,) bool, whether the nearest entry was measured."""
         return self.has_data.reshape(-1)[self.table.nearest(wi, wo)]
 
 

@@ -9,12 +9,14 @@ that have some, at the same azimuth (`within`), or are black.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from shrm.arrays import BoolArray, FloatArray
 from shrm.brdf.angle_table import AngleTable
-from shrm.brdf.measured.material import Extrapolate
+from shrm.brdf.measured.measured import Extrapolate
+from shrm.brdf.value import Value
 
 SHAPE = (46, 91, 37)
 """Nodes in theta_h, theta_d and phi_d."""
@@ -49,28 +51,52 @@ def resampled(brdf: Function, covers: Covers, extrapolate: Extrapolate) -> Funct
         block = slice(start, start + _BLOCK)
         values[block] = brdf(wi[block], wo[block])
     table = AngleTable(values.reshape(*SHAPE, 3), "half-angle", "ends", "square-root")
-
-    def function(wi: FloatArray, wo: FloatArray) -> FloatArray:
-        result = table(wi, wo)
-        result *= wi[:, 2:] if extrapolate == "nearest" else (wi[:, 2] * covers(wi, wo))[:, None]
-        return result
-
-    return function
+    return TableTimesCosine(table, covers if extrapolate == "zero" else None)
 
 
-def cones(theta_i: float, theta_o: float) -> Covers:
-    """Return what is True where wi and wo lie within these angles from the normal.
+@dataclass(frozen=True, eq=False, repr=False)
+class TableTimesCosine(Value):
+    """A table of a BRDF times N.L.
+
+    Attributes
+    ----------
+    table : AngleTable
+        The BRDF without the cosine.
+    covers : callable, optional
+        Where there is data: it is black elsewhere. Everywhere, if not given.
+    """
+
+    table: AngleTable
+    covers: Covers | None = None
+
+    def __call__(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat, (n, 3) float64, at unit vectors (n, 3) above the horizon."""
+        values = self.table(wi, wo)
+        values *= wi[:, 2:] if self.covers is None else (wi[:, 2] * self.covers(wi, wo))[:, None]
+        return values
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Cones(Value):
+    """True where wi and wo lie within two cones about the normal.
 
     Smaller gaps between the geometries, such as goniometers have where the detector would shade the source,
     are interpolated across and count as covered.
+
+    Attributes
+    ----------
+    theta_i, theta_o : float
+        Angles from the normal, radians.
     """
-    # Cosines, with room for the rounding of a direction at the limit itself.
-    least_i, least_o = np.cos(theta_i) - 1e-7, np.cos(theta_o) - 1e-7
 
-    def covers(wi: FloatArray, wo: FloatArray) -> BoolArray:
+    theta_i: float
+    theta_o: float
+
+    def __call__(self, wi: FloatArray, wo: FloatArray) -> BoolArray:
+        """Tell, (n,) bool, for unit vectors (n, 3)."""
+        # Cosines, with room for the rounding of a direction at the limit itself.
+        least_i, least_o = np.cos(self.theta_i) - 1e-7, np.cos(self.theta_o) - 1e-7
         return np.asarray((wi[:, 2] >= least_i) & (wo[:, 2] >= least_o))
-
-    return covers
 
 
 def within(w: FloatArray, theta: float) -> FloatArray:

@@ -23,7 +23,8 @@ those of the file, which holds continued ones there ("nearest"), or 0 ("zero").
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +33,10 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import BoolArray, Float32Array, FloatArray
-from shrm.brdf.measured.material import Extrapolate, Measured
+from shrm.brdf.measured.measured import Extrapolate, Measured
 from shrm.brdf.measured.spectrum import to_linear_srgb
 from shrm.brdf.measured.tensor_file import MAGIC, TensorFile, open_tensor_file
+from shrm.brdf.value import Method, Value
 
 
 def recognises(head: bytes, size: int) -> bool:
@@ -84,32 +86,68 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     size = np.abs(values).mean(dtype=np.float64)
     if (handedness := np.abs(values - values[:, ::-1]).mean(dtype=np.float64)) > 1e-3 * size:
         notes += (f"differs by {handedness / size:.1%} from its mirror image, phi_i - phi_o reversed",)
-    table = _core.AdaptiveParameterization(
+    table = AdaptiveTable(
         theta_i=theta_i,
         vndf=np.ascontiguousarray(vndf),
         values=values,
         ndf=ndf if _jacobian(file) else np.empty((0, 0), np.float32),
         sigma=_middle_row(sigma),
+        valid=_valid(file, values.shape[:3]),
     )
-    material = _Material(table, _valid(file, values.shape[:3]))
-    function = material.covered_values if extrapolate == "zero" else material.values
-    return Measured(path.stem, "RGL", function, material.covers, extrapolate, notes)
+    evaluate = AdaptiveTable.covered_values if extrapolate == "zero" else AdaptiveTable.evaluate
+    covers = Method(AdaptiveTable.covers, table)
+    return Measured(path.stem, "RGL", Method(evaluate, table), covers, extrapolate, notes)
 
 
-@dataclass(frozen=True)
-class _Material:
-    table: _core.AdaptiveParameterization
-    valid: BoolArray  # (theta_i, k, k)
+@dataclass(frozen=True, eq=False, repr=False)
+class AdaptiveTable(Value):
+    """The tables of a file, and which of its samples were measured.
 
-    def values(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
-        return self.table.evaluate(wi=wi, wo=wo)
+    Attributes
+    ----------
+    theta_i : (t,) float64
+        Increasing, radians.
+    vndf : (t, n, n) float32
+        The density that makes the unit square even.
+    values : (t, k, k, 3) float32
+        The measurements, linear sRGB.
+    ndf : (m, m) or (0, 0) float32
+        Empty where the values are f_r cos(theta_o) already.
+    sigma : (s,) float32
+        The area that normals show to a direction.
+    valid : (t, k, k) bool
+        Which samples were measured.
+    """
+
+    theta_i: FloatArray
+    vndf: Float32Array
+    values: Float32Array
+    ndf: Float32Array
+    sigma: Float32Array
+    valid: BoolArray
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            getattr(self, each.name).setflags(write=False)
+
+    @cached_property
+    def _table(self) -> _core.AdaptiveParameterization:
+        return _core.AdaptiveParameterization(
+            theta_i=self.theta_i, vndf=self.vndf, values=self.values, ndf=self.ndf, sigma=self.sigma
+        )
+
+    def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat, (n, 3) float64, at unit vectors (n, 3) above the horizon."""
+        return self._table.evaluate(wi=wi, wo=wo)
 
     def covered_values(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
-        return np.asarray(self.values(wi, wo) * self.covers(wi, wo)[:, None])
+        """Evaluate rho_hat, black where no sample was measured."""
+        return np.asarray(self.evaluate(wi, wo) * self.covers(wi, wo)[:, None])
 
     def covers(self, wi: FloatArray, wo: FloatArray) -> BoolArray:
+        """Tell, (n,) bool, whether the nearest sample was measured."""
         slices, rows, columns = self.valid.shape
-        nearest = np.rint(self.table.samples(wi=wi, wo=wo) * [1, rows - 1, columns - 1]).astype(np.intp)
+        nearest = np.rint(self._table.samples(wi=wi, wo=wo) * [1, rows - 1, columns - 1]).astype(np.intp)
         return np.asarray(self.valid[tuple(np.clip(nearest, 0, [slices - 1, rows - 1, columns - 1]).T)])
 
 

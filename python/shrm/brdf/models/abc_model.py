@@ -18,8 +18,10 @@ import numpy as np
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon, half_vector
-from shrm.brdf.lobe import BRDF, IsotropicLobe
+from shrm.brdf.lobe import IsotropicLobe
+from shrm.brdf.material import BRDF
 from shrm.brdf.models import json_file
+from shrm.brdf.value import Method
 from shrm.files import PathLike
 from shrm.validation import RGB, number, number_or_rgb
 
@@ -80,7 +82,7 @@ class ABC(BRDF):
     @property
     def lobes(self) -> tuple[IsotropicLobe]:
         """One isotropic lobe about the lobe center."""
-        return (IsotropicLobe("lobe", self._transfer),)
+        return (IsotropicLobe("lobe", Method(ABC._transfer, self)),)
 
     @property
     def name(self) -> str:
@@ -95,9 +97,11 @@ class ABC(BRDF):
         S = (1 + self.B * h.sin2 / (1 + cos_h)) ** -self.C
         G = np.minimum(1.0, 2 * cos_h * np.minimum(cos_i, cos_o) / np.maximum(h.cos_d, GRAZING))
         specular = fresnel(self.ior, h.cos_d) * G * S / cos_o
-        total = (np.multiply.outer(cos_i, self.kD) + np.multiply.outer(specular, self.A)) / np.pi
+        kD, A = np.atleast_1d(self.kD), np.atleast_1d(self.A)
+        total = (np.multiply.outer(cos_i, kD) + np.multiply.outer(specular, A)) / np.pi
         above = above_horizon(wi, wo)
-        return np.asarray(np.where(above if total.ndim == 1 else above[:, None], total, 0.0))
+        total = np.where(above[:, None], total, 0.0)
+        return np.asarray(total if total.shape[1] == 3 else total[:, 0])
 
 
 def fresnel(ior: float, cos_d: FloatArray) -> FloatArray:

@@ -16,7 +16,9 @@ import numpy as np
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon, half_vector, schlick, tangential_squares
-from shrm.brdf.lobe import BRDF, AnisotropicLobe
+from shrm.brdf.lobe import AnisotropicLobe
+from shrm.brdf.material import BRDF
+from shrm.brdf.value import Method
 from shrm.validation import RGB, number, number_or_rgb
 
 
@@ -45,7 +47,7 @@ class AnisotropicGGX(BRDF):
     @property
     def lobes(self) -> tuple[AnisotropicLobe]:
         """One anisotropic lobe."""
-        return (AnisotropicLobe(self._transfer),)
+        return (AnisotropicLobe(Method(AnisotropicGGX._transfer, self)),)
 
     @property
     def name(self) -> str:

@@ -16,7 +16,9 @@ import numpy as np
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
 from shrm.brdf.half_vector import HalfVector, above_horizon, half_vector, schlick, tangential_squares
-from shrm.brdf.lobe import BRDF, AnisotropicLobe, IsotropicLobe, Lobe
+from shrm.brdf.lobe import AnisotropicLobe, IsotropicLobe, Lobe
+from shrm.brdf.material import BRDF
+from shrm.brdf.value import Method
 from shrm.validation import RGB, number, number_or_rgb
 
 _SHARPEST = parameters.NARROWEST**-2  # lobes are 1 / sqrt(n) wide
@@ -52,8 +54,10 @@ class AshikhminShirley(BRDF):
     @property
     def lobes(self) -> tuple[Lobe, ...]:
         """The glossy lobe, and the diffuse one if there is any."""
-        glossy = AnisotropicLobe(self._glossy)
-        return (glossy,) if self.Rd == 0.0 else (glossy, IsotropicLobe("normal", self._diffuse))
+        glossy = AnisotropicLobe(Method(AshikhminShirley._glossy, self))
+        if self.Rd == 0.0:
+            return (glossy,)
+        return (glossy, IsotropicLobe("normal", Method(AshikhminShirley._diffuse, self)))
 
     @property
     def name(self) -> str:

@@ -15,7 +15,9 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
-from shrm.brdf.lobe import BRDF, ZonalLobe
+from shrm.brdf.lobe import ZonalLobe
+from shrm.brdf.material import BRDF
+from shrm.brdf.value import Method
 from shrm.validation import number
 
 
@@ -38,7 +40,7 @@ class Banks(BRDF):
     @property
     def lobes(self) -> tuple[ZonalLobe]:
         """One zonal lobe about the tangent."""
-        return (ZonalLobe("tangent", self._profile),)
+        return (ZonalLobe("tangent", Method(Banks._profile, self)),)
 
     @property
     def name(self) -> str:

@@ -18,7 +18,9 @@ import numpy as np
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon, half_vector, schlick
-from shrm.brdf.lobe import BRDF, IsotropicLobe
+from shrm.brdf.lobe import IsotropicLobe
+from shrm.brdf.material import BRDF
+from shrm.brdf.value import Method
 from shrm.validation import RGB, number, number_or_rgb
 
 
@@ -45,7 +47,7 @@ class Beckmann(BRDF):
     @property
     def lobes(self) -> tuple[IsotropicLobe]:
         """One isotropic lobe about the lobe center."""
-        return (IsotropicLobe("lobe", self._transfer),)
+        return (IsotropicLobe("lobe", Method(Beckmann._transfer, self)),)
 
     @property
     def name(self) -> str:

@@ -12,13 +12,16 @@ Asymmetries below 0.1% of the value pass unseen.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import get_args
 
 import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf.half_vector import above_horizon
-from shrm.brdf.lobe import BRDF, Center, IsotropicLobe, Lobe, Material, ZonalLobe
+from shrm.brdf.lobe import Center, IsotropicLobe, ZonalLobe
+from shrm.brdf.material import BRDF, Material
+from shrm.brdf.value import Value
 from shrm.validation import one_of
 
 Function = Callable[[FloatArray, FloatArray], FloatArray]
@@ -51,32 +54,74 @@ def from_function(f: Function, center: Center = "lobe", name: str | None = None)
         raise TypeError(f"f must be a function of wi and wo, got {f!r}")
     one_of("center", center, get_args(Center))
     title = name if name is not None else getattr(f, "__name__", "function")
-    rng = np.random.default_rng(20020721)
     channels = _channels(f, title)
-    lobe: Lobe
+    rng = np.random.default_rng(20020721)
     if center == "tangent":
-        _require_angles_from_tangent(f, title, rng)
-        lobe = ZonalLobe("tangent", lambda theta_i, theta_o: _checked(f, title, *_meridian(theta_i, theta_o)))
-    else:
-        _require_isotropy(f, title, rng)
-        lobe = IsotropicLobe(center, lambda wi, wo: _with_cosine(f, title, channels, wi, wo))
-    return Material((lobe,), title)
+        samples = _require_angles_from_tangent(f, title, rng)
+        return Material((ZonalLobe("tangent", FunctionOfAngles(f, title, samples)),), title)
+    samples = _require_isotropy(f, title, rng)
+    return Material((IsotropicLobe(center, FunctionTimesCosine(f, title, samples, channels)),), title)
 
 
-def _with_cosine(f: Function, title: str, channels: int, wi: FloatArray, wo: FloatArray) -> FloatArray:
-    above = above_horizon(wi, wo)
-    if above.all():  # as at the nodes of an analysis: no copies
-        values = _checked(f, title, wi, wo)
-        return np.asarray(values * (wi[:, 2] if channels == 1 else wi[:, 2:]))
-    result = np.zeros(len(wi) if channels == 1 else (len(wi), channels))
-    if above.any():
-        cosine = wi[above, 2] if channels == 1 else wi[above, 2:]
-        result[above] = _checked(f, title, wi[above], wo[above]) * cosine
-    return result
+@dataclass(frozen=True, eq=False, repr=False)
+class FunctionOfAngles(Value):
+    """A function of directions as a profile of their angles from the tangent.
+
+    Attributes
+    ----------
+    f : callable
+        As `from_function` takes it.
+    title : str
+        What errors call it.
+    samples : (512,) or (512, 3) float64
+        Its values when it was tested. A function that has changed since, through a variable that it reads,
+        makes another material, for which nothing is kept yet.
+    """
+
+    f: Function
+    title: str
+    samples: FloatArray
+
+    def __call__(self, theta_i: FloatArray, theta_o: FloatArray) -> FloatArray:
+        """Evaluate rho_hat, (n,) or (n, 3), at angles (n,) from the tangent, radians."""
+        return _checked(self.f, self.title, *_meridian(theta_i, theta_o))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FunctionTimesCosine(Value):
+    """A function of directions times N.L above the horizon, 0 below.
+
+    Attributes
+    ----------
+    f, title, samples
+        As `FunctionOfAngles` has them.
+    channels : {1, 3}
+        What f returns: (n,) or (n, 3).
+    """
+
+    f: Function
+    title: str
+    samples: FloatArray
+    channels: int
+
+    def __call__(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Evaluate rho_hat, (n,) or (n, 3), at unit vectors (n, 3)."""
+        above = above_horizon(wi, wo)
+        if above.all():  # as at the nodes of an analysis: no copies
+            values = _checked(self.f, self.title, wi, wo)
+            return np.asarray(values * self._cosine(wi))
+        result = np.zeros(len(wi) if self.channels == 1 else (len(wi), self.channels))
+        if above.any():
+            values = _checked(self.f, self.title, wi[above], wo[above])
+            result[above] = values * self._cosine(wi[above])
+        return result
+
+    def _cosine(self, wi: FloatArray) -> FloatArray:
+        return wi[:, 2] if self.channels == 1 else wi[:, 2:]
 
 
 def _checked(f: Function, title: str, wi: FloatArray, wo: FloatArray) -> FloatArray:
-    """f(wi, wo) as float64, of the right shape and finite."""
+    """Return f(wi, wo) as float64; refuse another shape and values that are not finite."""
     values = np.asarray(f(wi, wo))
     if values.dtype.kind not in "fiu":
         raise TypeError(f"{title}: must return real numbers, got dtype {values.dtype}")
@@ -96,12 +141,14 @@ def _checked(f: Function, title: str, wi: FloatArray, wo: FloatArray) -> FloatAr
 
 
 def _channels(f: Function, title: str) -> int:
+    """Return 1 or 3, the channels that f returns."""
     # Two directions, so that (n,) with n = 3 and (n, 3) cannot be taken for one another.
     above = np.array([[0.0, 0.6, 0.8], [0.6, 0.0, 0.8]])
     return 1 if _checked(f, title, above, above[::-1].copy()).ndim == 1 else 3
 
 
-def _require_isotropy(f: Function, title: str, rng: np.random.Generator) -> None:
+def _require_isotropy(f: Function, title: str, rng: np.random.Generator) -> FloatArray:
+    """Return values of f at seeded pairs of directions; refuse one that is anisotropic or not symmetric."""
     wi, wo = _pairs_about_mirror(rng)
     values = _checked(f, title, wi, wo)
     turns = rng.uniform(0.0, 2.0 * np.pi, len(wi))
@@ -119,9 +166,11 @@ def _require_isotropy(f: Function, title: str, rng: np.random.Generator) -> None
             f"{title}: depends on the sign of phi_i - phi_o and cannot be centered on R, N or the lobe: "
             f"mirroring both wi = {_triple(wi[at])} and wo = {_triple(wo[at])} changes it"
         )
+    return values.copy()
 
 
-def _require_angles_from_tangent(f: Function, title: str, rng: np.random.Generator) -> None:
+def _require_angles_from_tangent(f: Function, title: str, rng: np.random.Generator) -> FloatArray:
+    """Return values of f at seeded pairs of angles; refuse one that depends on azimuths about the tangent."""
     theta_i, theta_o = rng.uniform(0.0, np.pi, (2, 512))
     theta_i[:256] = np.abs(np.pi - theta_o[:256] + rng.normal(0.0, 0.1, 256))  # round the mirror cone
     theta_i[256:384] = np.abs(theta_o[256:384] + rng.normal(0.0, 0.1, 128))
@@ -134,10 +183,11 @@ def _require_angles_from_tangent(f: Function, title: str, rng: np.random.Generat
             "function of the angles theta_i, theta_o from T alone, and changes with the azimuths at "
             f"theta_i = {theta_i[at]:.3f}, theta_o = {theta_o[at]:.3f}"
         )
+    return values.copy()
 
 
 def _pairs_about_mirror(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
-    """512 pairs above the horizon: wi round the reflection of wo, from very near to anywhere."""
+    """Return 512 pairs above the horizon: wi round the reflection of wo, from very near to anywhere."""
     spread = np.repeat([0.01, 0.05, 0.2, 2.0], 128)[:, None]
     wo = _unit(rng.normal(size=(512, 3)))
     wo[:, 2] = np.abs(wo[:, 2])
@@ -147,7 +197,7 @@ def _pairs_about_mirror(rng: np.random.Generator) -> tuple[FloatArray, FloatArra
 
 
 def _first_difference(a: FloatArray, b: FloatArray) -> int | None:
-    """Where two evaluations that should be equal differ first, by more than float32 functions do."""
+    """Return where evaluations that should be equal differ first, by more than float32 functions do."""
     a, b = (values.reshape(len(values), -1) for values in (a, b))
     scale = np.maximum(np.abs(a), np.abs(b))
     different = (np.abs(a - b) > 1e-3 * scale + 1e-7 * scale.max(initial=0.0)).any(axis=1)
@@ -155,7 +205,7 @@ def _first_difference(a: FloatArray, b: FloatArray) -> int | None:
 
 
 def _meridian(theta_i: FloatArray, theta_o: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Unit vectors at these angles from z, in the half plane y = 0, x > 0."""
+    """Return unit vectors at these angles from z, in the half plane y = 0, x > 0."""
     wi, wo = (np.stack([np.sin(t), np.zeros_like(t), np.cos(t)], axis=1) for t in (theta_i, theta_o))
     return wi, wo
 

@@ -18,7 +18,9 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
-from shrm.brdf.lobe import BRDF, ZonalLobe
+from shrm.brdf.lobe import ZonalLobe
+from shrm.brdf.material import BRDF
+from shrm.brdf.value import Method
 from shrm.validation import number, one_of
 
 
@@ -44,7 +46,7 @@ class KajiyaKay(BRDF):
     @property
     def lobes(self) -> tuple[ZonalLobe]:
         """One zonal lobe about the tangent."""
-        return (ZonalLobe("tangent", self._profile),)
+        return (ZonalLobe("tangent", Method(KajiyaKay._profile, self)),)
 
     @property
     def name(self) -> str:

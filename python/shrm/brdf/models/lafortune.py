@@ -25,15 +25,17 @@ import numpy.typing as npt
 
 from shrm.arrays import FloatArray
 from shrm.brdf.half_vector import above_horizon
-from shrm.brdf.lobe import BRDF, IsotropicLobe, Lobe
+from shrm.brdf.lobe import IsotropicLobe, Lobe
+from shrm.brdf.material import BRDF
 from shrm.brdf.models import json_file
 from shrm.brdf.models.lambert import Lambert
+from shrm.brdf.value import Method, Value
 from shrm.files import PathLike
 from shrm.validation import RGB, number_or_rgb, real_array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Lafortune(BRDF):
+class Lafortune(BRDF, Value):
     """A sum of generalised cosine lobes and a diffuse term.
 
     Parameters
@@ -122,7 +124,7 @@ class Lafortune(BRDF):
     @property
     def lobes(self) -> tuple[Lobe, ...]:
         """The glossy lobe about the lobe center, and the diffuse one about the normal where there is any."""
-        glossy = IsotropicLobe("lobe", self._transfer)
+        glossy = IsotropicLobe("lobe", Method(Lafortune._transfer, self))
         return (glossy, *Lambert(self.diffuse).lobes) if np.any(self.diffuse) else (glossy,)
 
     @property

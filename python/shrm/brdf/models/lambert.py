@@ -13,7 +13,9 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
-from shrm.brdf.lobe import BRDF, RadialLobe
+from shrm.brdf.lobe import RadialLobe
+from shrm.brdf.material import BRDF
+from shrm.brdf.value import Method
 from shrm.validation import RGB, number_or_rgb
 
 
@@ -35,7 +37,7 @@ class Lambert(BRDF):
     @property
     def lobes(self) -> tuple[RadialLobe]:
         """One radial lobe about the normal."""
-        return (RadialLobe("normal", self._profile),)
+        return (RadialLobe("normal", Method(Lambert._profile, self)),)
 
     @property
     def name(self) -> str:

@@ -13,9 +13,11 @@ import numpy as np
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
 from shrm.brdf.half_vector import schlick
-from shrm.brdf.lobe import BRDF, ZonalLobe
+from shrm.brdf.lobe import ZonalLobe
+from shrm.brdf.material import BRDF
 from shrm.brdf.models.lambert import Lambert
 from shrm.brdf.models.phong import Phong
+from shrm.brdf.value import Method
 from shrm.validation import RGB, number, number_or_rgb
 
 
@@ -45,7 +47,8 @@ class MillerHeidrich(BRDF):
     @property
     def lobes(self) -> tuple[ZonalLobe, ZonalLobe]:
         """The diffuse lobe about the normal and the Phong lobe about the reflection."""
-        return (ZonalLobe("normal", self._diffuse), ZonalLobe("reflection", self._specular))
+        diffuse, specular = Method(MillerHeidrich._diffuse, self), Method(MillerHeidrich._specular, self)
+        return (ZonalLobe("normal", diffuse), ZonalLobe("reflection", specular))
 
     @property
     def name(self) -> str:

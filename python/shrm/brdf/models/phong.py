@@ -12,7 +12,9 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
-from shrm.brdf.lobe import BRDF, RadialLobe
+from shrm.brdf.lobe import RadialLobe
+from shrm.brdf.material import BRDF
+from shrm.brdf.value import Method
 from shrm.validation import number
 
 
@@ -34,7 +36,7 @@ class Phong(BRDF):
     @property
     def lobes(self) -> tuple[RadialLobe]:
         """One radial lobe about the reflection."""
-        return (RadialLobe("reflection", self._profile),)
+        return (RadialLobe("reflection", Method(Phong._profile, self)),)
 
     @property
     def name(self) -> str:

@@ -22,8 +22,10 @@ import numpy as np
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon, half_vector
-from shrm.brdf.lobe import BRDF, IsotropicLobe
+from shrm.brdf.lobe import IsotropicLobe
+from shrm.brdf.material import BRDF
 from shrm.brdf.models import json_file
+from shrm.brdf.value import Method
 from shrm.files import PathLike
 from shrm.validation import RGB, number_or_rgb
 
@@ -95,7 +97,7 @@ class SGD(BRDF):
     @property
     def lobes(self) -> tuple[IsotropicLobe]:
         """One isotropic lobe about the lobe center."""
-        return (IsotropicLobe("lobe", self._transfer),)
+        return (IsotropicLobe("lobe", Method(SGD._transfer, self)),)
 
     @property
     def name(self) -> str:

@@ -14,7 +14,8 @@ second set follows glossy lobes with far fewer samples.
 Centered on the lobe, or on the reflection.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import get_args
 
 import numpy as np
@@ -23,12 +24,14 @@ import numpy.typing as npt
 from shrm.arrays import FloatArray
 from shrm.brdf.angle_table import AngleTable, Axes
 from shrm.brdf.half_vector import above_horizon
-from shrm.brdf.lobe import BRDF, IsotropicLobe
+from shrm.brdf.lobe import IsotropicLobe
+from shrm.brdf.material import BRDF
+from shrm.brdf.value import Method, Value
 from shrm.validation import one_of, real_array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Tabulated(BRDF):
+class Tabulated(BRDF, Value):
     """An isotropic BRDF on a regular grid.
 
     Parameters
@@ -46,7 +49,6 @@ class Tabulated(BRDF):
 
     values: npt.ArrayLike
     axes: Axes = "angles"
-    _table: AngleTable = field(init=False)
 
     def __post_init__(self) -> None:
         values = real_array("Tabulated: values", self.values).copy(order="C")
@@ -60,17 +62,21 @@ class Tabulated(BRDF):
         one_of("Tabulated: axes", self.axes, get_args(Axes))
         values.setflags(write=False)
         object.__setattr__(self, "values", values)
-        object.__setattr__(self, "_table", AngleTable(values.reshape((*values.shape[:3], -1)), self.axes))
 
     @property
     def lobes(self) -> tuple[IsotropicLobe]:
         """One isotropic lobe about the lobe center."""
-        return (IsotropicLobe("lobe", self._transfer),)
+        return (IsotropicLobe("lobe", Method(Tabulated._transfer, self)),)
 
     @property
     def name(self) -> str:
         """Such as "tabulated(32 x 32 x 64 angles)"; no text for `parse`."""
         return f"tabulated({' x '.join(str(n) for n in np.shape(self.values)[:3])} {self.axes})"
+
+    @cached_property
+    def _table(self) -> AngleTable:
+        values = np.asarray(self.values)
+        return AngleTable(values.reshape((*values.shape[:3], -1)), self.axes)
 
     def _transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         cosine = np.where(above_horizon(wi, wo), wi[:, 2], 0.0)

@@ -21,7 +21,8 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import Float32Array
-from shrm.brdf.lobe import BRDF, RadialLobe
+from shrm.brdf.lobe import RadialLobe
+from shrm.brdf.material import BRDF
 from shrm.environment import Environment
 from shrm.lobes.factored import FactoredLobe, as_factored
 from shrm.prefiltered.paraboloid import ParaboloidMap, ParaboloidMaps

@@ -19,7 +19,9 @@ import numpy as np
 
 from shrm.arrays import BoolArray, FloatArray
 from shrm.brdf.half_vector import above_horizon
-from shrm.brdf.lobe import BRDF, IsotropicLobe
+from shrm.brdf.lobe import IsotropicLobe
+from shrm.brdf.material import BRDF
+from shrm.brdf.value import Method, Value
 
 Extrapolate = Literal["nearest", "zero"]
 """How directions without data are filled: with the value of the nearest that have some, in the coordinates of
@@ -31,7 +33,7 @@ class MeasurementError(ValueError):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Measured(BRDF):
+class Measured(BRDF, Value):
     """A measured isotropic material.
 
     Attributes
@@ -42,7 +44,7 @@ class Measured(BRDF):
         The format it was read from, such as "MERL".
     function : callable
         wi, wo, (n, 3) float64 unit vectors, to rho_hat (n, 3) float64, the cosine included; asked for
-        N.L > 0 and N.V >= 0 only.
+        N.L > 0 and N.V >= 0 only. A value, as `covers`: materials are equal where these are.
     covers : callable
         wi, wo, (n, 3) float64, to (n,) bool: where there is data; elsewhere `function` fills.
     extrapolate : {"nearest", "zero"}
@@ -61,7 +63,7 @@ class Measured(BRDF):
     @property
     def lobes(self) -> tuple[IsotropicLobe]:
         """One isotropic lobe about the lobe center."""
-        return (IsotropicLobe("lobe", self._transfer),)
+        return (IsotropicLobe("lobe", Method(Measured._transfer, self)),)
 
     @property
     def name(self) -> str:
