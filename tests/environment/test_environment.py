@@ -335,3 +335,31 @@ def test_irradiance_against_integration() -> None:
 def test_irradiance_refuses(normals: Array) -> None:
     with pytest.raises(ValueError, match="normals must"):
         Environment(np.zeros((4, 8, 3))).irradiance(normals)
+
+
+def test_an_environment_is_said_in_one_line() -> None:
+    pixels = np.zeros((4, 8, 3), np.float32)
+    pixels[:2] = (1.0, 2.0, 4.0)  # the upper half
+    assert repr(Environment(pixels)) == "<Environment 4 x 8, mean radiance 0.5, 1, 2>"
+
+
+def test_an_environment_is_an_array_of_its_pixels() -> None:
+    env = Environment(np.random.default_rng(3).random((4, 8, 3), np.float32))
+    np.testing.assert_array_equal(np.asarray(env), env.pixels)
+    assert np.shares_memory(np.asarray(env), env.pixels)
+    assert np.asarray(env).dtype == np.float32
+    copied = np.array(env)
+    copied[:] = 0.0  # may be written to, and is its own
+    assert env.pixels.any()
+    assert np.asarray(env, np.float64).dtype == np.float64
+    with pytest.raises(ValueError, match="copy"):
+        np.asarray(env, np.float64, copy=False)
+
+
+def test_a_strip_may_be_called_a_cube(tmp_path: Path) -> None:
+    env = Environment(np.random.default_rng(4).random((8, 16, 3), np.float32))
+    np.testing.assert_array_equal(env.picture("cube"), env.picture("strip"))
+    np.testing.assert_array_equal(env.picture("cube", 5), env.picture("strip", 5))
+    env.write(tmp_path / "cube.exr", "cube")
+    again = [Environment.read(tmp_path / "cube.exr", layout).pixels for layout in ("cube", "strip")]
+    np.testing.assert_array_equal(*again)

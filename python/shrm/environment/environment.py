@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -86,6 +87,16 @@ class Environment:
         """The (H, W, 3) float32 lat-long picture, read-only."""
         return self._pixels
 
+    def __repr__(self) -> str:
+        H, W, _ = self._pixels.shape
+        mean = layouts.solid_angles("latlong", H, 1)[:, 0] @ self._pixels.mean(axis=1, dtype=np.float64)
+        red, green, blue = mean / (4 * math.pi)
+        return f"<Environment {H} x {W}, mean radiance {red:.3g}, {green:.3g}, {blue:.3g}>"
+
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        """Return the pixels, as `np.asarray(env)` does: read-only unless they are copied."""
+        return np.array(self._pixels, dtype=dtype, copy=copy)
+
     @classmethod
     def read(
         cls,
@@ -122,7 +133,7 @@ class Environment:
             layout is not a known name.
         """
         if layout is not None:
-            layouts.check(layout)
+            layout = layouts.check(layout)
         _require_border(border, layout)
         try:
             if layout == "faces" or Path(path).is_dir() or (layout is None and "{}" in str(path)):
@@ -170,7 +181,7 @@ class Environment:
         TypeError, ValueError
             layout is not a known name, or size is below 2.
         """
-        path = Path(path)
+        path, layout = Path(path), layouts.check(layout)
         picture = self.picture(layout, size, border=border)
         if layout == "faces":
             pattern = (
@@ -207,6 +218,7 @@ class Environment:
         TypeError, ValueError
             layout is not a known name, or size is below 2.
         """
+        layout = layouts.check(layout)
         height, width = self._pixels.shape[:2]
         if size is None:
             size = layouts.size_like(layout, "latlong", height, width)

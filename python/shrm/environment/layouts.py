@@ -6,6 +6,7 @@
     (4n, 3n) and (3n, 4n): a cube unfolded round its front (the center of the lat-long picture).
 ``strip``
     (n, 6n) or (6n, n): the faces +X -X +Y -Y +Z -Z of an OpenGL cube map; +Z is front, +X right, +Y up.
+    It may be called ``cube`` too, as the maps of reflections are.
 ``faces``
     The same in six files; as an array the strip (6n, n).
 ``openexr-cube``
@@ -62,12 +63,13 @@ _CUBES = ("vertical-cross", "horizontal-cross", "strip", "faces", "openexr-cube"
 
 
 def check(layout: str) -> str:
-    """Return the name of a layout, or raise a ValueError that lists them."""
-    return one_of("layout", layout, LAYOUTS)
+    """Return the name of a layout as `LAYOUTS` has it, or raise a ValueError that lists them."""
+    return one_of("layout", "strip" if layout == "cube" else layout, LAYOUTS)
 
 
 def _core_name(layout: str) -> str:
-    return "strip" if check(layout) == "faces" else layout
+    name = check(layout)
+    return "strip" if name == "faces" else name
 
 
 def recognise(height: int, width: int, hint: str | None = None) -> str:
@@ -113,7 +115,7 @@ def shape(layout: str, size: int) -> tuple[int, int]:
     TypeError, ValueError
         An unknown layout, or a size below 2.
     """
-    check(layout)
+    layout = check(layout)
     size = whole_number("size", size, 2)
     shapes = {
         "latlong": (size, 2 * size),
@@ -134,6 +136,7 @@ def size_like(layout: str, like: str, height: int, width: int) -> int:
     A cube's face of n texels is worth 2n rows of latitude and longitude; other layouts are compared with a
     cube of as many texels.
     """
+    layout, like = check(layout), check(like)
     texels_per_square = {"octahedral": 1.0, "dual-paraboloid": math.pi / 2}
 
     def face_per_size(name: str) -> float:
@@ -145,7 +148,7 @@ def size_like(layout: str, like: str, height: int, width: int) -> int:
 
     edge = {"vertical-cross": height // 4, "horizontal-cross": height // 3, "strip": min(height, width)}
     size = edge.get(like, width if like in ("faces", "openexr-cube") else height)
-    return max(2, math.ceil(size * face_per_size(check(like)) / face_per_size(check(layout)) - 1e-9))
+    return max(2, math.ceil(size * face_per_size(like) / face_per_size(layout) - 1e-9))
 
 
 def rays(layout: str, height: int, width: int, positions: FloatArray) -> FloatArray:
