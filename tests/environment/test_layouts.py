@@ -280,7 +280,7 @@ def test_rotation_by_a_column_is_a_shift() -> None:
 
 def test_the_number_of_threads_changes_nothing() -> None:
     script = (
-        "import numpy, hashlib; from shrm import layouts;"
+        "import numpy, hashlib; from shrm.environment import layouts;"
         "p = numpy.random.default_rng(7).random((96, 192, 3), dtype=numpy.float32);"
         "r = layouts.convert(p, 'latlong', 'angular', 100);"
         "print(hashlib.sha256(r.tobytes()).hexdigest())"
