@@ -277,12 +277,7 @@ void slide_block(const Sorted& light, const SlideScratch& s, int W, int turn,
         }
         for (int r = 0; r < map_rows; ++r)
             for (int g = 0; g < map_groups; ++g)
-                for (int c = 0; c < 3; ++c) {
-                    float part[lanes];
-                    store(part, sum[r][g][c]);
-                    for (int lane = 0; lane < lanes; ++lane)
-                        total[r][g][c][lane] += static_cast<double>(part[lane]);
-                }
+                for (int c = 0; c < 3; ++c) add_in_double(sum[r][g][c], total[r][g][c]);
     }
 }
 

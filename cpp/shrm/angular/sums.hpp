@@ -1,12 +1,21 @@
 // Sums in the lanes of vectors. Private to angular.
 #pragma once
 
+#include <cstring>
+
 #include "shrm/angular/angular.hpp"
 #include "shrm/simd/vectors.hpp"
 
 namespace shrm::angular {
 
 static_assert(most_lanes % lanes == 0);
+
+// total[k] += lane k. By reference: of a copy g++ 12 would convert one lane at a time.
+SHRM_INLINE void add_in_double(const Floats& part, double* total) {
+    float single[lanes];
+    std::memcpy(single, &part, sizeof part);
+    for (int k = 0; k < lanes; ++k) total[k] += static_cast<double>(single[k]);
+}
 
 // Sums of three channels, in double, of parts that were summed in single precision.
 struct Sum {
@@ -15,9 +24,7 @@ struct Sum {
     // Adds a part, and empties it.
     SHRM_INLINE void add(Floats part[3]) {
         for (int c = 0; c < 3; ++c) {
-            float single[lanes];
-            store(single, part[c]);
-            for (int k = 0; k < lanes; ++k) total[c][k] += static_cast<double>(single[k]);
+            add_in_double(part[c], total[c]);
             part[c] = Floats{};
         }
     }

@@ -32,6 +32,9 @@ typedef float Floats __attribute__((vector_size(lanes * sizeof(float))));
 typedef float UnalignedFloats __attribute__((vector_size(lanes * sizeof(float)), aligned(sizeof(float))));
 typedef int Ints __attribute__((vector_size(lanes * sizeof(int))));  // and masks: all bits of a lane, or none
 
+inline constexpr int double_lanes = lanes / 2;
+typedef double Doubles __attribute__((vector_size(double_lanes * sizeof(double))));
+
 // ---- To and from memory
 
 SHRM_INLINE Floats load(const float* from) {
