@@ -124,7 +124,7 @@ def bench_microfacet_texels(
     if seconds is None:
         return
     part = material.lobes[0]
-    lobe = IsotropicIntegral(part.center, part.transfer, 0.05, symmetry)
+    lobe = IsotropicIntegral.of(part.center, part.transfer, 0.05, symmetry)
     C = directions("latlong", 128, 256).reshape(-1, 3)
     V = np.tile(VIEW, (len(C), 1))
     pairs = len(C) * samples_in_caps(128, *lobe.caps(lobe.normals(C, V), V))

@@ -258,4 +258,4 @@ def test_maps_about_the_lobe_are_the_reflection_maps_texel_by_texel():
     most = np.radians(80) + np.interp(80 / 90, np.linspace(0, 1, len(part.gamma)), part.gamma)
     seen = np.arccos(np.clip(part.directions() @ view, -1, 1)) < most
     # texels by the edge of what is seen err more than the mean over all frames, which is what is predicted
-    assert oracles.relative_rms(a[seen], b[seen]) < 3 * by_frequency.error + 2 * integrated.error
+    assert oracles.relative_rms(a[seen], b[seen]) < 3 * by_frequency.error + 2 * integrated.table_error

@@ -5,8 +5,10 @@ The radiance of a query is one call into C++; see `shrm.integrate.tables` for th
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, Protocol
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -15,36 +17,53 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.lobe import Center, Lobe, RadialLobe, ZonalLobe, refuse_anisotropic
 from shrm.integrate import tables as lobe_tables
 from shrm.integrate.radial_table import RadialTable, integral_within, radial_table
-from shrm.lobes.center import lobe_center
-from shrm.lobes.directions import above_horizon, across, bisector, central_directions, normals_of
+from shrm.lobes.center import gamma_at, gamma_table, lobe_center
+from shrm.lobes.directions import above_horizon, across, bisector, central_directions, normals_at
 from shrm.validation import one_of
 
+Picture = dict[str, Any]
+"""What the core takes of the light: the planes of its power, and the nodes along each side of a texel."""
 
-class LobeIntegral(Protocol):
-    """A lobe that can be integrated.
+
+class LobeIntegral(ABC):
+    """A lobe that can be integrated: arrays alone.
 
     Attributes
     ----------
     center : {"lobe", "reflection", "normal", "tangent"}
         Direction that its maps are indexed by.
-    width : float
-        Angle that holds half of the lobe's integral.
-    error : float
-        Relative root mean square error of its table.
     """
 
     center: Center
-    width: float
-    error: float
 
-    def radiance(self, picture: dict[str, Any], n: FloatArray, v: FloatArray, t: FloatArray) -> Float32Array:
-        """Reflected radiance (n, 3) for normals, views and tangents (n, 3)."""
+    @property
+    @abstractmethod
+    def width(self) -> float:
+        """Angle that holds half of the lobe's integral, radians."""
 
+    @property
+    @abstractmethod
+    def table_error(self) -> float:
+        """Relative root mean square error of its table."""
+
+    @abstractmethod
+    def radiance(self, picture: Picture, n: FloatArray, v: FloatArray, t: FloatArray) -> Float32Array:
+        """Return reflected radiance (n, 3) for normals, views and tangents (n, 3)."""
+
+    @abstractmethod
     def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
-        """Normals (n, 3) whose centers, seen from v, are `centers`; a tangent lobe has none to find."""
+        """Return normals (n, 3) whose centers, seen from v, are `centers`; any about the tangent."""
+
+    @abstractmethod
+    def theta_o(self, cos2: FloatArray) -> FloatArray:
+        """Return angles between C and V for values that are uniform in [0, 1]: of frames drawn at random."""
+
+    @abstractmethod
+    def uncut(self) -> LobeIntegral:
+        """Return the same lobe, nothing cut."""
 
 
-def lobe_integral(lobe: Lobe, tolerance: float, center: Center | None, share: bool) -> LobeIntegral:
+def lobe_integral(lobe: Lobe, cutoff: float, center: Center | None, share: bool) -> LobeIntegral:
     """Tabulate a lobe of any kind; `center` replaces an isotropic lobe's own.
 
     With `share`, queries that have the first one's view read their half vectors from one table (lobes of the
@@ -52,10 +71,10 @@ def lobe_integral(lobe: Lobe, tolerance: float, center: Center | None, share: bo
     """
     refuse_anisotropic(lobe)
     if isinstance(lobe, ZonalLobe):
-        return ZonalIntegral(lobe.center, lobe.profile, tolerance)
+        return ZonalIntegral.of(lobe.center, lobe.profile, cutoff)
     if isinstance(lobe, RadialLobe):
-        return RadialIntegral(lobe.center, lobe.profile, tolerance)
-    return IsotropicIntegral(center or lobe.center, lobe.transfer, tolerance, share)
+        return RadialIntegral.of(lobe.center, lobe.profile, cutoff)
+    return IsotropicIntegral.of(center or lobe.center, lobe.transfer, cutoff, share)
 
 
 def share_visited(lobe: Lobe, tolerance: float) -> float:
@@ -88,37 +107,64 @@ def half_width(lobe: Lobe) -> float:
     return lobe_center(lobe.transfer)[1]
 
 
-class RadialIntegral:
+@dataclass(frozen=True, eq=False)
+class RadialIntegral(LobeIntegral):
     """A lobe of fixed shape about R or N."""
 
-    def __init__(self, center: Center, profile: Callable[[FloatArray], FloatArray], tolerance: float):
-        table = radial_table(profile, tolerance)
+    center: Center
+    table: RadialTable
+
+    @classmethod
+    def of(cls, center: Center, profile: Callable[[FloatArray], FloatArray], cutoff: float) -> RadialIntegral:
+        """Tabulate a profile."""
         one_of("center of a radial lobe", center, ("reflection", "normal"))
-        self.center: Center = center
-        self.width, self.error = table.width, table.error
-        self._table: dict[str, Any] = {**profile_arguments(table), "outer": table.outer}
+        return cls(center, radial_table(profile, cutoff))
 
-    def about(self, picture: dict[str, Any], centers: FloatArray) -> Float32Array:
-        """Radiance (n, 3) for centers (n, 3)."""
-        return np.asarray(_core.angular_radial(**picture, **self._table, centers=centers))
+    @property
+    def width(self) -> float:
+        """Angle that holds half; see `LobeIntegral`."""
+        return self.table.width
 
-    def map(self, picture: dict[str, Any], height: int, width: int, symmetry: bool) -> Float32Array:
-        """Radiance (height, width, 3) for centers on a lat-long grid, by symmetry about its axis or not."""
+    @property
+    def table_error(self) -> float:
+        """Error of the table; see `LobeIntegral`."""
+        return self.table.error
+
+    def about(self, picture: Picture, centers: FloatArray) -> Float32Array:
+        """Return radiance (n, 3) for centers (n, 3)."""
+        return np.asarray(_core.angular_radial(**picture, **self._arguments, centers=centers))
+
+    def map(self, picture: Picture, height: int, width: int, symmetry: bool) -> Float32Array:
+        """Return radiance (height, width, 3) for a lat-long grid of centers, by symmetry or not."""
         return np.asarray(
-            _core.angular_radial_map(**picture, **self._table, height=height, width=width, symmetry=symmetry)
+            _core.angular_radial_map(
+                **picture, **self._arguments, height=height, width=width, symmetry=symmetry
+            )
         )
 
-    def radiance(self, picture: dict[str, Any], n: FloatArray, v: FloatArray, t: FloatArray) -> Float32Array:
-        """Reflected radiance; see `LobeIntegral`."""
+    @property
+    def _arguments(self) -> dict[str, Any]:
+        return {**profile_arguments(self.table), "outer": self.table.outer}
+
+    def radiance(self, picture: Picture, n: FloatArray, v: FloatArray, t: FloatArray) -> Float32Array:
+        """Return reflected radiance; see `LobeIntegral`."""
         return self.about(picture, central_directions(self.center, n, v, t))
 
     def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
-        """Normals of centers; see `LobeIntegral`."""
+        """Return normals of centers; see `LobeIntegral`."""
         return centers if self.center == "normal" else bisector(centers, v)
+
+    def theta_o(self, cos2: FloatArray) -> FloatArray:
+        """Return angles of views, on which nothing depends; see `LobeIntegral`."""
+        return np.asarray(np.arccos(np.sqrt(cos2)))
+
+    def uncut(self) -> RadialIntegral:
+        """Return the same lobe, nothing cut."""
+        return replace(self, table=replace(self.table, outer=np.pi))
 
 
 def profile_arguments(table: RadialTable) -> dict[str, Any]:
-    """A radial table as the core takes it."""
+    """Return a radial table as the core takes it."""
     return {
         "profile": table.values,
         "shift": table.shift,
@@ -127,76 +173,135 @@ def profile_arguments(table: RadialTable) -> dict[str, Any]:
     }
 
 
-class ZonalIntegral:
+@dataclass(frozen=True, eq=False)
+class ZonalIntegral(LobeIntegral):
     """A lobe that depends on two angles from its center."""
 
-    def __init__(
-        self, center: Center, profile: Callable[[FloatArray, FloatArray], FloatArray], tolerance: float
-    ):
-        one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
-        self.center: Center = center
-        table = lobe_tables.zonal_table(for_all_views(center, profile), tolerance)
-        self.width, self.error = table.width, table.error
-        self._table: dict[str, Any] = {"profiles": table.values, "bands": table.bands}
+    center: Center
+    table: lobe_tables.ZonalTable
 
-    def radiance(self, picture: dict[str, Any], n: FloatArray, v: FloatArray, t: FloatArray) -> Float32Array:
-        """Reflected radiance; see `LobeIntegral`."""
+    @classmethod
+    def of(cls, center: Center, profile: lobe_tables.Profile2D, cutoff: float) -> ZonalIntegral:
+        """Tabulate a profile."""
+        one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
+        return cls(center, lobe_tables.zonal_table(for_all_views(center, profile), cutoff))
+
+    @property
+    def width(self) -> float:
+        """Angle that holds half; see `LobeIntegral`."""
+        return self.table.width
+
+    @property
+    def table_error(self) -> float:
+        """Error of the table; see `LobeIntegral`."""
+        return self.table.error
+
+    def radiance(self, picture: Picture, n: FloatArray, v: FloatArray, t: FloatArray) -> Float32Array:
+        """Return reflected radiance; see `LobeIntegral`."""
         axes = central_directions(self.center, n, v, t)
-        return np.asarray(
-            _core.angular_zonal(**picture, **self._table, axes=axes, theta_o=across(axes, v)[1])
-        )
+        tables: dict[str, Any] = {"profiles": self.table.values, "bands": self.table.bands}
+        return np.asarray(_core.angular_zonal(**picture, **tables, axes=axes, theta_o=across(axes, v)[1]))
 
     def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
-        """Normals of centers; see `LobeIntegral`."""
+        """Return normals of centers; see `LobeIntegral`."""
         return bisector(centers, v) if self.center == "reflection" else centers
 
+    def theta_o(self, cos2: FloatArray) -> FloatArray:
+        """Return angles of views; see `LobeIntegral`. About the tangent they are uniform on the sphere."""
+        return zonal_theta_o(self.center, cos2)
 
-class IsotropicIntegral:
-    """Any other lobe, cut at the horizon of N."""
+    def uncut(self) -> ZonalIntegral:
+        """Return the same lobe, nothing cut."""
+        bands = np.broadcast_to([0.0, np.pi], self.table.bands.shape).copy()
+        return replace(self, table=replace(self.table, bands=bands))
 
-    def __init__(
-        self,
-        center: Center,
-        transfer: Callable[[FloatArray, FloatArray], FloatArray],
-        tolerance: float,
-        share: bool,
-    ):
+
+def zonal_theta_o(center: Center, cos2: FloatArray) -> FloatArray:
+    """Return angles between C and V of a zonal lobe in random frames, for values uniform in [0, 1]."""
+    if center == "normal":
+        return np.asarray(np.arccos(np.sqrt(cos2)))
+    return np.asarray(np.arccos(2 * cos2 - 1))
+
+
+@dataclass(frozen=True, eq=False)
+class IsotropicIntegral(LobeIntegral):
+    """Any other lobe, cut at the horizon of N.
+
+    Attributes
+    ----------
+    center : {"lobe", "reflection", "normal"}
+    gamma : (257,) float64
+        The angle between C and N over theta_v, radians.
+    table : HalfAngleTable or IsotropicTable
+    share : bool
+        Whether queries of one view read their half vectors from one table.
+    """
+
+    center: Center
+    gamma: FloatArray
+    table: lobe_tables.HalfAngleTable | lobe_tables.IsotropicTable
+    share: bool
+
+    @classmethod
+    def of(
+        cls, center: Center, transfer: lobe_tables.Transfer, cutoff: float, share: bool
+    ) -> IsotropicIntegral:
+        """Tabulate a lobe."""
         one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
-        self.center: Center = center
-        half_angle = lobe_tables.half_angle_table(transfer, tolerance)
-        table = half_angle or lobe_tables.isotropic_table(transfer, tolerance)
-        self.width, self.error = table.width, table.error
-        self._integrate: Callable[..., Any]
-        self._table: dict[str, Any]
-        if isinstance(table, lobe_tables.HalfAngleTable):
-            self._integrate = _core.angular_half_angle
-            self._table = {**profile_arguments(table.radial), "caps": table.caps, "share": share}
-        else:
-            self._integrate = _core.angular_isotropic
-            self._table = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
-        self._transfer = transfer
+        half_angle = lobe_tables.half_angle_table(transfer, cutoff)
+        table = half_angle or lobe_tables.isotropic_table(transfer, cutoff)
+        return cls(center, gamma_table(center, transfer), table, share)
 
-    def radiance(self, picture: dict[str, Any], n: FloatArray, v: FloatArray, t: FloatArray) -> Float32Array:
-        """Reflected radiance; see `LobeIntegral`."""
+    @property
+    def width(self) -> float:
+        """Angle that holds half; see `LobeIntegral`."""
+        return self.table.width
+
+    @property
+    def table_error(self) -> float:
+        """Error of the table; see `LobeIntegral`."""
+        return self.table.error
+
+    def radiance(self, picture: Picture, n: FloatArray, v: FloatArray, t: FloatArray) -> Float32Array:
+        """Return reflected radiance; see `LobeIntegral`."""
         n, v = above_horizon(self.center, n, v)
-        return np.asarray(self._integrate(**picture, **self._table, normals=n, views=v))
+        table = self.table
+        if isinstance(table, lobe_tables.HalfAngleTable):
+            profile = {**profile_arguments(table.radial), "share": self.share}
+            return np.asarray(
+                _core.angular_half_angle(**picture, **profile, caps=table.caps, normals=n, views=v)
+            )
+        tables: dict[str, Any] = {"envelope": table.envelope, "ratio": table.ratio, "caps": table.caps}
+        return np.asarray(_core.angular_isotropic(**picture, **tables, normals=n, views=v))
 
     def caps(self, n: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """What the sum visits for normals and views (n, 3): caps about axes (n, 3), of angles (n,)."""
+        """Return what the sum visits for normals and views (n, 3): caps about axes (n, 3), of angles (n,)."""
         n, v = above_horizon(self.center, n, v)
         x, theta_v = across(n, v)
+        # between the caps of the two nodes that a view lies between
         place = lobe_tables.view_place(np.cos(theta_v))
-        low = np.minimum(place.astype(int), len(self._table["caps"]) - 2)
-        center, outer = self._table["caps"].T
+        low = np.minimum(place.astype(int), len(self.table.caps) - 2)
+        center, outer = self.table.caps.T
         offset = center[low] + (place - low) * (center[low + 1] - center[low])
         widest = np.maximum(outer[low], outer[low + 1])
+        # a wide one is the hemisphere
         axes = np.cos(offset)[:, None] * n - np.sin(offset)[:, None] * x
         hemisphere = widest >= np.pi / 2
         return np.where(hemisphere[:, None], n, axes), np.where(hemisphere, np.pi / 2, widest)
 
     def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
-        """Normals of centers; see `LobeIntegral`."""
-        return normals_of(self.center, self._transfer, centers, v)
+        """Return normals of centers; see `LobeIntegral`."""
+        return normals_at(self.center, self.gamma, centers, v)
+
+    def theta_o(self, cos2: FloatArray) -> FloatArray:
+        """Return angles of views; see `LobeIntegral`."""
+        theta_v = np.arccos(np.sqrt(cos2))
+        return np.asarray(theta_v + gamma_at(self.gamma, theta_v))
+
+    def uncut(self) -> IsotropicIntegral:
+        """Return the same lobe, nothing cut."""
+        caps = np.broadcast_to([0.0, np.pi], self.table.caps.shape).copy()
+        return replace(self, table=replace(self.table, caps=caps))
 
 
 def for_all_views(

@@ -49,10 +49,15 @@ class LobeDescent(Protocol):
         Direction that its maps are indexed by.
     depends_on_view : bool
         Whether its maps differ from view to view.
+    table_error : float
+        Relative root mean square error of its table; 0 where nothing says it, as of cores.
     """
 
     @property
     def center(self) -> Center: ...  # noqa: D102
+
+    @property
+    def table_error(self) -> float: ...  # noqa: D102
 
     @property
     def depends_on_view(self) -> bool: ...  # noqa: D102
@@ -101,6 +106,7 @@ class RadialDescent:
     integral: float
     width: float
     within: FloatArray
+    table_error: float = 0.0
 
     @classmethod
     def of(cls, center: Center, profile: Profile) -> RadialDescent:
@@ -112,7 +118,15 @@ class RadialDescent:
         left_out = LEFT_OUT * (np.arange(1025)[::-1] / 1024) ** 4
         found = np.stack([np.interp(1 - left_out, within, angle), 1 - left_out], axis=1)
         return cls(
-            center, table.values, table.shift, table.scale, table.support, table.integral, table.width, found
+            center,
+            table.values,
+            table.shift,
+            table.scale,
+            table.support,
+            table.integral,
+            table.width,
+            found,
+            table_error=table.error,
         )
 
     def to_arrays(self) -> NamedArrays:
@@ -182,7 +196,7 @@ class ZonalDescent:
         one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
         self.center: Center = center
         table = lobe_tables.zonal_table(for_all_views(center, profile), LEFT_OUT)
-        self._width, self._integral = table.width, table.integral
+        self._width, self._integral, self.table_error = table.width, table.integral, table.error
         self._table: dict[str, Any] = {
             "profiles": table.values,
             "bands": table.bands,
@@ -245,6 +259,7 @@ class IsotropicDescent:
     integral: float
     above: float = 0.0
     below: float = float("inf")
+    table_error: float = 0.0
 
     @classmethod
     def of(cls, center: Center, transfer: Transfer) -> IsotropicDescent:
@@ -254,7 +269,9 @@ class IsotropicDescent:
         envelope = table.envelope[None]
         gamma = gamma_table(center, transfer)
         width = lobe_center(transfer)[1]
-        return cls(center, gamma, width, envelope, table.ratio, table.caps, table.integral)
+        return cls(
+            center, gamma, width, envelope, table.ratio, table.caps, table.integral, table_error=table.error
+        )
 
     @classmethod
     def of_core(cls, lobe: IsotropicLobe) -> IsotropicDescent:

@@ -8,6 +8,7 @@ and its children, and only where their difference would change the reflected lig
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,23 +18,11 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center
 from shrm.environment import Environment
-from shrm.integrate.descent_lobes import LEFT_OUT, LobeDescent, lobe_descent
-from shrm.integrate.queries import DEFAULT_SIZE, lobes_of, map_directions, pixels_of, queries
-from shrm.lobes.directions import local_frames
+from shrm.integrate.descent_lobes import LobeDescent, lobe_descent
+from shrm.integrate.queries import DEFAULT_SIZE, lobes_of, pixels_of, queries
+from shrm.integrate.threshold import Frames, frames_at, map_texels, predicted_error, threshold_for
 from shrm.lobes.reflection import Layout, Reflection
 from shrm.validation import fraction, number, one_of, whole_number
-
-SAMPLED_BLOCKS, SAMPLED_RADIAL = 64, 256
-"""Blocks of maps from which a threshold is found for an error; of the one map that a radial lobe has."""
-EXACT = 1e-2
-"""A threshold, in errors wanted, that leaves next to none: the sum over all texels would take long."""
-FINE = 1e-3
-"""A threshold whose maps are compared with those of LEFT_OUT."""
-LARGEST_THRESHOLD, SMALLEST_THRESHOLD = 10.0, 1e-9
-SEARCHED_ROWS = (64, 256)
-"""Of the maps from which a threshold is found, at least and at most."""
-MARGIN = 0.8
-"""Of the error wanted, what the blocks may have: they are a sample."""
 
 
 def prefilter_hierarchical(
@@ -117,16 +106,18 @@ class HierarchicalReflection(Reflection):
     ) -> None:
         self._size, self._layout = size, layout
         self.evaluations = 0.0
+        self._pixels = pixels
         self._pyramid = _core.Pyramid(pixels)
         self._shape, self._order, self._targets = map_texels(layout, size)
         self._lobes = tuple(lobes)
+        self._errors: tuple[float, ...] | None = None
         if threshold is None:
             assert tolerance is not None
-            rows = int(np.clip(size, *SEARCHED_ROWS))
-            self.threshold = tuple(self._threshold(lobe, tolerance, rows) for lobe in self._lobes)
+            searched = [threshold_for(lobe, self._pyramid, size, tolerance) for lobe in self._lobes]
+            self.threshold = tuple(threshold for threshold, _ in searched)
+            self._errors = tuple(error for _, error in searched)
         else:
             self.threshold = (float(threshold),) * len(self._lobes)
-        self.evaluations = 0.0
 
     @property
     def size(self) -> int:
@@ -143,6 +134,41 @@ class HierarchicalReflection(Reflection):
         """The center of each lobe's map."""
         return tuple(lobe.center for lobe in self._lobes)
 
+    @property
+    def table_error(self) -> float:
+        """The largest relative RMS error of the lobes' tables."""
+        return max(lobe.table_error for lobe in self._lobes)
+
+    @property
+    def error(self) -> float:
+        """The predicted relative RMS error of the reflected radiance, against the sum over all texels.
+
+        The largest over the lobes, whose light adds up and does not cancel: that of its threshold, measured
+        in a sample of maps (`shrm.integrate.threshold`), and that of its table beside it.
+        """
+        if self._errors is None:
+            self._errors = tuple(
+                predicted_error(lobe, self._pyramid, self.size, threshold)
+                for lobe, threshold in zip(self._lobes, self.threshold, strict=True)
+            )
+        return max(
+            float(np.hypot(error, lobe.table_error))
+            for error, lobe in zip(self._errors, self._lobes, strict=True)
+        )
+
+    def __getstate__(self) -> dict[str, object]:
+        """Return what is pickled: the pyramid is made again."""
+        return {name: value for name, value in self.__dict__.items() if name != "_pyramid"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._pyramid = _core.Pyramid(self._pixels)
+
+    def __repr__(self) -> str:
+        thresholds = ", ".join(f"{threshold:.2g}" for threshold in self.threshold)
+        centers = ", ".join(self.centers)
+        return f"<HierarchicalReflection about {centers}: threshold={thresholds} {self.layout} {self.size}>"
+
     def update(self, env: Environment) -> None:
         """Take another light, of any size; thresholds stay.
 
@@ -151,7 +177,9 @@ class HierarchicalReflection(Reflection):
         TypeError, ValueError
             If it is none.
         """
-        self._pyramid = _core.Pyramid(pixels_of(env))
+        self._pixels = pixels_of(env)
+        self._pyramid = _core.Pyramid(self._pixels)
+        self._errors = None
 
     def radiance(
         self, normals: npt.ArrayLike, views: npt.ArrayLike, tangents: npt.ArrayLike | None = None
@@ -185,88 +213,10 @@ class HierarchicalReflection(Reflection):
         self.evaluations = 0.0
         for lobe, threshold in zip(self._lobes, self.threshold, strict=True):
             pixels = np.empty(self._targets.shape, np.float32)
-            pixels[self._order] = self._reflected(lobe, _frames(lobe, self._targets, v), threshold)
+            pixels[self._order] = self._reflected(lobe, frames_at(lobe, self._targets, v), threshold)
             yield pixels.reshape(self._shape)
 
     def _reflected(self, lobe: LobeDescent, frames: Frames, threshold: float) -> Float32Array:
         found, evaluations = lobe.radiance(self._pyramid, *frames, threshold)
         self.evaluations += evaluations
         return found
-
-    def _threshold(self, lobe: LobeDescent, tolerance: float, rows: int) -> float:
-        """The largest threshold, to a tenth, whose error is within what is wanted: in a sample of maps.
-
-        They are lat-long, of as many rows.
-        """
-        shape, order, targets = map_texels("latlong", rows)
-        block, count = _core.HIERARCHICAL_BLOCK, len(order)
-        random = np.random.default_rng(2000)
-        # Each block of texels as one view sees it, which its first texel has at a frame drawn at random.
-        first = np.ascontiguousarray(targets[::block])
-        aside, azimuth = local_frames(first, first), 2 * np.pi * random.random(len(first))
-        theta_o = lobe.theta_o(random.random(len(first)))
-        local = np.stack(
-            [np.sin(theta_o) * np.cos(azimuth), np.sin(theta_o) * np.sin(azimuth), np.cos(theta_o)], axis=1
-        )
-        views = np.einsum("nxk,nk->nx", aside, local)
-        frames = _frames(lobe, targets, views.repeat(block, axis=0)[:count])
-        area = np.sin(np.pi * (np.arange(rows) + 0.5) / rows).repeat(shape[1])[order, None]
-
-        def of_blocks(pixels: FloatArray) -> FloatArray:
-            return np.asarray(np.add.reduceat((area * pixels**2).sum(axis=1), np.arange(0, count, block)))
-
-        # Blocks by what two thresholds say of their errors, by their energy, and evenly.
-        fine, coarse = (self._reflected(lobe, frames, at).astype(np.float64) for at in (FINE, LEFT_OUT))
-        energy, difference = of_blocks(fine), of_blocks(fine - coarse)
-        total = energy.sum()
-        if total == 0:
-            return 1.0
-        chance = 0.5 * energy / total + 0.5 / len(energy)
-        if difference.any():
-            chance = 0.5 * chance + 0.5 * difference / difference.sum()
-        sampled = SAMPLED_BLOCKS if lobe.depends_on_view else SAMPLED_RADIAL
-        drawn = random.choice(len(energy), sampled, p=chance / chance.sum())
-        places = drawn[:, None] * block + np.arange(block)
-        inside = places < count
-        places = np.minimum(places, count - 1)
-        weight = inside * area[places, 0] / (sampled * chance[drawn])[:, None] / total
-        n, v, t = (np.ascontiguousarray(d[places.ravel()]) for d in frames)
-        exact = self._reflected(lobe, (n, v, t), EXACT * tolerance).astype(np.float64)
-
-        def off(threshold: float) -> float:
-            square = ((self._reflected(lobe, (n, v, t), threshold) - exact) ** 2).sum(axis=1)
-            return float(np.sqrt((weight.ravel() * square).sum()))
-
-        low, high = 0.0, LARGEST_THRESHOLD
-        while high > 1.1 * low and high > SMALLEST_THRESHOLD:
-            middle = np.sqrt(low * high) if low > 0 else high / 4.0
-            low, high = (middle, high) if off(middle) <= MARGIN * tolerance else (low, middle)
-        return float(low)
-
-
-Frames = tuple[FloatArray, FloatArray, FloatArray]
-"""Normals, views and tangents, each (n, 3)."""
-
-
-def _frames(lobe: LobeDescent, centers: FloatArray, views: FloatArray) -> Frames:
-    """Frames in which the lobe has its center at texels of a map."""
-    return np.ascontiguousarray(lobe.normals(centers, views)), np.ascontiguousarray(views), centers
-
-
-def map_texels(layout: Layout, size: int) -> tuple[tuple[int, ...], npt.NDArray[np.intp], FloatArray]:
-    """Shape of a map, the places of its texels block by block, and their directions in that order."""
-    C = map_directions(layout, size)
-    order = _by_blocks(C.shape[:-1])
-    return C.shape, order, np.ascontiguousarray(C.reshape(-1, 3)[order])
-
-
-def _by_blocks(shape: tuple[int, ...]) -> npt.NDArray[np.intp]:
-    """Places of the texels of a map, block by block of neighbours, each of as many as descend together."""
-    side = int(np.sqrt(_core.HIERARCHICAL_BLOCK))
-    H, W = shape[-2:]
-    rows, columns = np.arange(H) // side, np.arange(W) // side
-    within = (np.arange(H) % side)[:, None] * side + (np.arange(W) % side)[None]
-    tile = rows[:, None] * (columns[-1] + 1) + columns[None]
-    one = np.argsort((tile * side**2 + within).ravel(), kind="stable")
-    faces = int(np.prod(shape[:-2], dtype=int))
-    return (np.arange(faces)[:, None] * (H * W) + one[None]).ravel()

@@ -26,10 +26,10 @@ from shrm.brdf.material import Material
 from shrm.environment.lookup import environment_lookup
 from shrm.integrate.angular_lobes import half_width
 from shrm.integrate.descent_lobes import IsotropicDescent, RadialDescent
-from shrm.integrate.hierarchical import map_texels
 from shrm.integrate.sampled_frames import Frames
 from shrm.integrate.saved_arrays import NamedArrays, angles, number, table
 from shrm.integrate.tables import light_quadrature, view_at, view_nodes, view_place
+from shrm.integrate.threshold import map_texels
 from shrm.lobes.center import gamma_at, gamma_table
 from shrm.lobes.directions import above_horizon, across, normals_at
 from shrm.lobes.reflection import Layout, sum_by_name

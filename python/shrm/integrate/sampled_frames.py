@@ -56,7 +56,7 @@ class Frames:
         extent = cap_at(lobe.transfer, float(np.sqrt(0.5)), 0.1)[1] / max(np.pi / H, 2 * np.pi / W)
         finer = int(np.clip(np.ceil(extent / TEXELS), 1, FINEST))
         n = VIEWS * (FRAMES_OF_A_VIEW // finer)
-        C, weight = _drawn(pixels, n, random)
+        C, weight = drawn_directions(pixels, n, random)
         theta_v = np.arccos(np.sqrt((np.arange(VIEWS) + 0.5) / VIEWS))
         transfer = lobe.transfer
         gamma = gamma_table(lobe.center, transfer)
@@ -104,8 +104,10 @@ def _nodes(lobe: CoreLobe, theta_v: float, finer: int) -> tuple[FloatArray, Floa
     return turned, np.repeat(weight, azimuths)
 
 
-def _drawn(pixels: Float32Array, n: int, random: np.random.Generator) -> tuple[FloatArray, FloatArray]:
-    """Directions (n, 3), and what makes a mean over them one over the sphere, (n,)."""
+def drawn_directions(
+    pixels: Float32Array, n: int, random: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """Draw directions (n, 3), half of them by the light, and weights (n,) for means over the sphere."""
     H, W, _ = pixels.shape
     rows, columns = (
         np.unique(np.linspace(0, H, min(H, 32) + 1).astype(int)),

@@ -196,7 +196,7 @@ def integration(light: Environment, sigma: float, samples: MapSamples, symmetry:
 
 def samples_of_map(sigma: float, samples: MapSamples) -> float:
     """Return the mean number of texels that direct integration visits for one of the timed maps."""
-    lobe = IsotropicIntegral("reflection", brdf.Microfacet(sigma).lobes[0].transfer, EPSILON, share=False)
+    lobe = IsotropicIntegral.of("reflection", brdf.Microfacet(sigma).lobes[0].transfer, EPSILON, share=False)
     R = layouts.directions("latlong", samples.size, 2 * samples.size).reshape(-1, 3)
     visited = []
     for view in samples.timed:
