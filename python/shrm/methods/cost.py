@@ -6,14 +6,18 @@ one is to be preferred, above it the other. A descent in a pyramid of the light 
 often for each texel of a map whatever lobe and light are [KVHS00 section 5.1]: it costs less than integration
 where the light has many texels, and a table and a search for its threshold more.
 
-The rates are seconds of one thread, measured at 128 x 64 to 512 x 256 texels of light;
-where another machine is faster, it is so for both methods, and their ratio decides.
+The rates are seconds of one thread at 128 x 64 to 512 x 256 texels of light (`rates.csv`, with machine and
+commit; `bench/cost_rates.py` measures them); where another machine is faster, it is so for all methods, and
+their ratio decides.
 """
 
 from __future__ import annotations
 
+import csv
 import math
 import warnings
+from functools import cache
+from pathlib import Path
 from typing import Literal, get_args
 
 from shrm.brdf import BRDF
@@ -25,25 +29,22 @@ from shrm.integrate.queries import DEFAULT_SIZE
 from shrm.lobes.reflection import Layout
 from shrm.validation import one_of, whole_number
 
-_CALL = 4e-4
-_ANALYSIS, _ANALYSIS_BY_F = 6e-10, 2.6e-11  # per texel of the light
-_SYNTHESIS, _SYNTHESIS_BY_J = 6e-11, 5e-12  # per value of a lat-long map
-_CUBE = 2e-12  # per value of a cube map and coefficient
-_VIEW = 4.5e-11  # per value of a map, for each view
-
-_TABLES = {"radial": 1e-2, "zonal": 7e-2, "isotropic": 2e-1}
-_BY_SYMMETRY = 8e-11  # per pair of texels, radial lobes on lat-long maps
-# per pair of texels, the light's of 2 x 2 nodes
-_SAMPLE = {"radial": 1.4e-9, "zonal": 4e-9, "isotropic": 1.5e-8}
-_QUERY = 4e-7  # per texel of a map
-_COLORED = 2.0  # a lobe of three channels by one of one
-
-_PYRAMID = 1.2e-7  # per texel of the light
-_DESCENT = {"radial": 3e-7, "zonal": 1.2e-6, "isotropic": 5e-6}  # per texel of a map, at 1 to 3%
-_RING_WIDTH = 0.05  # from which on rings take more evaluations, in inverse proportion
-_SEARCH, _SEARCH_TEXELS = 3.0, 2e4  # for a threshold: in maps, and in texels besides
+_COLORED = 2.0
+"""The time of a lobe of three channels by that of one of one."""
+_RING_WIDTH = 0.05
+"""Half the width of a ring, radians, below which a descent evaluates it in inverse proportion more often."""
+_SEARCHED_MAPS, _SEARCHED_TEXELS = 3.0, 2e4
+"""What the search for a threshold costs: as many maps, and as many texels besides."""
 _TEXELS_TO_A_WIDTH = 1.5
 """How many texels of the light a lobe's half width must hold, for them to count as points."""
+
+
+@cache
+def rates() -> dict[str, float]:
+    """Return the seconds of each step by name, as `rates.csv` beside this module says."""
+    lines = (Path(__file__).parent / "rates.csv").read_text().splitlines()
+    table = csv.DictReader(line for line in lines if not line.startswith("#"))
+    return {row["name"]: float(row["seconds"]) for row in table}
 
 
 Method = Literal["frequency", "angular", "hierarchical"]
@@ -118,13 +119,17 @@ def frequency_seconds(
     light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int, orders: Orders
 ) -> float:
     """Predict the time in frequency space: analysis, synthesis and a sum for each view [RH02 eq. 9]."""
-    seconds = _CALL + light_texels * (_ANALYSIS + _ANALYSIS_BY_F * orders.F)
+    rate = rates()
+    seconds = rate["call"] + light_texels * (rate["analysis"] + rate["analysis by degree"] * orders.F)
     for lobe, of_lobe in zip(brdf.lobes, orders.lobes, strict=True):
         global_form = lobe.kind == "isotropic"
         values = 3 * texels * ((of_lobe.P + 1) ** 2 if global_form else of_lobe.P + 1)
         J = of_lobe.F + (of_lobe.P if global_form else 0)
-        per_value = _CUBE * (J + 1) ** 2 if layout == "cube" else _SYNTHESIS + _SYNTHESIS_BY_J * J
-        seconds += values * (per_value + _VIEW * views)
+        if layout == "cube":
+            per_value = rate["synthesis of cubes"] * (J + 1) ** 2
+        else:
+            per_value = rate["synthesis"] + rate["synthesis by degree"] * J
+        seconds += values * (per_value + rate["view"] * views)
     return seconds
 
 
@@ -136,27 +141,29 @@ def angular_seconds(
     The cap is the one that holds all but the tolerance of the lobe's integral [RH02 appendix D].
 
     """
-    seconds = _CALL
+    rate = rates()
+    seconds = rate["call"]
     for lobe in brdf.lobes:
         kind = lobe.kind
         pairs = texels * light_texels * share_visited(lobe, CUTOFF_OF_TOLERANCE * tolerance)
 
         by_symmetry = kind == "radial" and layout == "latlong"
         maps = 1 if kind == "radial" else views
-        per_pair = _SAMPLE[kind] * (_COLORED if lobe.channels == 3 and kind == "isotropic" else 1.0)
-        per_map = pairs * (_BY_SYMMETRY if by_symmetry else per_pair)
-        seconds += _TABLES[kind] + maps * (per_map + (0 if by_symmetry else _QUERY * texels))
+        per_pair = rate[f"pair {kind}"] * (_COLORED if lobe.channels == 3 and kind == "isotropic" else 1.0)
+        per_map = pairs * (rate["pair by symmetry"] if by_symmetry else per_pair)
+        seconds += rate[f"table {kind}"] + maps * (per_map + (0 if by_symmetry else rate["query"] * texels))
     return seconds
 
 
 def hierarchical_seconds(light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int) -> float:
     """Predict the time of a descent: the pyramid, tables, the search for a threshold, and each map."""
-    seconds = _CALL + light_texels * _PYRAMID
+    rate = rates()
+    seconds = rate["call"] + light_texels * rate["pyramid"]
     for lobe in brdf.lobes:
         kind = lobe.kind
-        maps = _SEARCH + (1 if kind == "radial" else views)
-        per_texel = _DESCENT[kind] * (_COLORED if lobe.channels == 3 else 1.0)
+        maps = _SEARCHED_MAPS + (1 if kind == "radial" else views)
+        per_texel = rate[f"descent {kind}"] * (_COLORED if lobe.channels == 3 else 1.0)
         if kind == "zonal":  # a ring is entered all along
             per_texel *= max(1.0, _RING_WIDTH / half_width(lobe))
-        seconds += _TABLES[kind] + (maps * texels + _SEARCH_TEXELS) * per_texel
+        seconds += rate[f"table {kind}"] + (maps * texels + _SEARCHED_TEXELS) * per_texel
     return seconds
