@@ -13,7 +13,7 @@ import numpy.typing as npt
 import pytest
 from shrm import Environment, ImageError, ImageWarning, image_io
 from shrm.environment import layouts
-from support.data import require
+from support.data import environment, require
 
 Array = npt.NDArray[np.float64]
 
@@ -186,8 +186,8 @@ def test_files_that_are_no_environment(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("layout", layouts.LAYOUTS)
 def test_quarry_keeps_its_sun(layout: str) -> None:
-    """The sun is 8.7e4 over a median of 0.1; all of it must arrive, there and back."""
-    env = read("quarry_01_1k.hdr")
+    """The sun is over 1e4, the median 0.1; all of it must arrive, there and back."""
+    env = environment("quarry_01_1k.hdr", 256, 512)
     before = integral(env.pixels)
     for size in (128, 32):
         picture = env.picture(layout, size)

@@ -10,10 +10,12 @@ from shrm import Environment, brdf, prefilter_angular, prefilter_hierarchical
 from shrm._core import processor
 from shrm.integrate.angular import integrate
 from support import oracles
-from support.data import require
+from support.data import environment
 from support.directions import sphere
 
 EXPONENTS = (10, 50, 100, 250, 500)
+LIGHTS = ("sun.hdr", "quarry_01_1k.hdr", "venice_sunset_1k.hdr", "debevec_grace_cross.hdr")
+VIEWS = ((0.6, 0.0, -0.8), (0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (0.6, 0.0, -0.8))
 
 
 def picture(H: int, seed: int) -> Environment:
@@ -70,10 +72,11 @@ def test_diffuse_light_of_three_colors_and_a_sum_of_lobes():
     assert set(both.maps_at_view([0, 0, 1.0])) == {"normal", "reflection"}
 
 
-@pytest.mark.parametrize("name", ["venice_sunset_1k.hdr", "debevec_grace_cross.hdr", "quarry_01_1k.hdr"])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LIGHTS)
 @pytest.mark.parametrize("s", EXPONENTS)
 def test_the_error_that_is_asked_for_is_had(name, s):
-    env = Environment.read(require(f"env/{name}")).resized(64, 128)
+    env = environment(name)
     lobe = brdf.Phong(s)
     exact = prefilter_hierarchical(env, lobe, threshold=0.0, size=64)
     expected = exact.at_view([0, 0, 1.0])
@@ -198,11 +201,11 @@ def test_all_kinds_are_summed_over_every_texel_without_a_threshold(material):
     assert oracles.relative_rms(found, plain) < 5e-3
 
 
-@pytest.mark.parametrize("name", ["venice_sunset_1k.hdr", "debevec_grace_cross.hdr", "quarry_01_1k.hdr"])
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "view"), list(zip(LIGHTS, VIEWS, strict=True)))
 @pytest.mark.parametrize("material", [KINDS[1], KINDS[4], KINDS[6]], ids=lambda material: material.name)
-@pytest.mark.parametrize("view", [(0.0, 0.0, 1.0), (0.6, 0.0, -0.8)])
 def test_the_error_that_is_asked_for_is_had_by_all_kinds(name, material, view):
-    env = Environment.read(require(f"env/{name}")).resized(64, 128)
+    env = environment(name)
     expected = prefilter_hierarchical(env, material, threshold=0.0, size=32).at_view(view)
     area = texel_areas(32)
     for error in (0.03, 0.01):

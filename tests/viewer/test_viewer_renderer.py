@@ -15,7 +15,7 @@ from shrm.prefiltered.explicit import without_azimuth
 from shrm.render import Camera, Mesh, Object, Sphere, environment_lookup, render
 from shrm.viewer import Context, ContextError, Renderer, Scene, offscreen
 from support import opengl, oracles
-from support.data import require
+from support.data import environment
 from support.opengl import lookup_error
 
 SIZE = 96
@@ -101,10 +101,10 @@ MATERIALS = [
 def light(name: str) -> Environment:
     if name == "daylight":
         return Environment.daylight(size=64)
-    return Environment.read(require(f"env/{name}")).resized(64, 128)
+    return environment(name)
 
 
-@pytest.mark.parametrize("env", ["daylight", "debevec_grace_cross.hdr", "venice_sunset_1k.hdr"])
+@pytest.mark.parametrize("env", ["daylight", "lamps.hdr"])
 @pytest.mark.parametrize("viewer", ["near", "distant"])
 @pytest.mark.parametrize("material", MATERIALS, ids=lambda material: material.name)
 def test_spheres_are_those_of_the_cpu(renderer, material, viewer, env):
