@@ -7,11 +7,15 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from hypothesis import settings
 from shrm.cli import main
 from shrm.image_io import write_image
 
 Array = npt.NDArray[np.floating]
 
+# The same examples in every run, however slow the machine is.
+settings.register_profile("shrm", derandomize=True, deadline=None)
+settings.load_profile("shrm")
 
 # Processes that tests start find `support` too.
 os.environ["PYTHONPATH"] = os.pathsep.join(

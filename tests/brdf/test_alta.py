@@ -113,6 +113,7 @@ def angles_of_both(wi, wo):
     return np.stack([np.arccos(wo[:, 2]), np.arccos(wi[:, 2]), azimuth], axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "coordinates_of"),
     [("RUSIN_TH_TD_PD", half_angles_of_view), ("ISOTROPIC_TV_TL_DPHI", angles_of_both)],

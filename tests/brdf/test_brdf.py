@@ -223,7 +223,8 @@ materials = st.one_of(
 )
 
 
-@settings(max_examples=600, deadline=None, derandomize=True)
+@pytest.mark.slow
+@settings(max_examples=600)
 @given(materials, cosines, azimuths, cosines, azimuths)
 def test_values_are_finite_and_not_negative_everywhere(material, cos_i, phi_i, cos_o, phi_o):
     value = material.transfer(direction(cos_i, phi_i), direction(cos_o, phi_o))

@@ -55,6 +55,7 @@ def albedo_over_half_vectors(material, cos_v: float) -> float:
     return float(np.sum(material.transfer(wi, wo) * np.where(v_h > 0, 4 * v_h, 0) * solid.ravel()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cos_v", [1.0, 0.6, 0.15])
 @pytest.mark.parametrize(
     "material",
@@ -86,6 +87,7 @@ def test_albedo_of_wide_lobes_agrees_with_a_product_rule_about_the_normal(materi
     np.testing.assert_allclose(brdf.directional_albedo(material, [cos_v])[0], weight @ values, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [brdf.GGX, brdf.Beckmann])
 @pytest.mark.parametrize("alpha", [1e-3, 0.03, 0.2, 0.6, 1.0])
 def test_microfacets_do_not_reflect_more_than_they_receive(model, alpha):

@@ -110,7 +110,8 @@ materials = st.one_of(
 )
 
 
-@settings(max_examples=300, deadline=None, derandomize=True)
+@pytest.mark.slow
+@settings(max_examples=300)
 @given(materials, cosines, azimuths, cosines, azimuths)
 def test_values_are_finite_and_not_negative_everywhere(material, cos_i, phi_i, cos_o, phi_o):
     value = material.transfer(direction(cos_i, phi_i), direction(cos_o, phi_o))
@@ -138,6 +139,7 @@ def test_albedo_agrees_with_a_product_rule_about_the_normal(material, transfer, 
     assert brdf.directional_albedo(material, [cosine], phi)[0, 0] == pytest.approx(expected, abs=2e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("alphas", [(0.1, 0.3), (0.5, 0.1), (1.0, 1.0)])
 def test_microfacets_do_not_reflect_more_than_they_receive(alphas):
     for phi in (0.0, 1.0, np.pi / 2):

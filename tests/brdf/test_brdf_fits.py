@@ -107,6 +107,7 @@ def test_lafortunes_fits_are_the_published_numbers() -> None:
         np.testing.assert_array_equal(found, Lafortune.read(path, name).transfer(wi, wo))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", FILES)
 def test_fits_are_reciprocal_and_reflect_no_more_than_they_get(source: str) -> None:
     wi, wo = directions(200, 3), directions(200, 4)
@@ -119,6 +120,7 @@ def test_fits_are_reciprocal_and_reflect_no_more_than_they_get(source: str) -> N
             assert albedo(brdf).max() <= 1, name
 
 
+@pytest.mark.slow
 def test_both_fits_of_a_metal_reflect_about_the_same() -> None:
     """Closer to equal than to a factor of pi, which the sources' conventions leave open."""
     metals = ("aluminium", "nickel", "chrome-steel", "alum-bronze")

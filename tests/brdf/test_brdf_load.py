@@ -20,6 +20,7 @@ REAL = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", REAL)
 def test_content_tells_not_the_name(file: str, tmp_path: Path) -> None:
     path = tmp_path / "paint.dat"
@@ -30,6 +31,7 @@ def test_content_tells_not_the_name(file: str, tmp_path: Path) -> None:
     assert parse(str(path)) is found
 
 
+@pytest.mark.slow
 def test_a_file_that_has_not_changed_gives_the_same_material(tmp_path: Path) -> None:
     path = tmp_path / "paint"
     shutil.copy(require("brdf/krylon_blue.brdf"), path)
@@ -40,6 +42,7 @@ def test_a_file_that_has_not_changed_gives_the_same_material(tmp_path: Path) -> 
     assert load(path) is not first
 
 
+@pytest.mark.slow
 def test_the_text_says_how_it_is_filled(tmp_path: Path) -> None:
     path = tmp_path / "a+b.brdf"
     shutil.copy(require("brdf/krylon_blue.brdf"), path)
@@ -96,6 +99,7 @@ def test_files_that_cannot_be_read_are_the_systems_errors(tmp_path: Path) -> Non
         load(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", [*REAL, "garnet_red.brdf", "vch_golden_yellow_rgb.bsdf"])
 def test_damaged_files_are_read_or_refused_and_take_no_memory(file: str, tmp_path: Path) -> None:
     """Real files cut off, and with bytes changed, most of them in the first 500: 40 each, seeded."""
@@ -154,6 +158,7 @@ def test_an_argument_is_given_once(tmp_path: Path) -> None:
         parse(f"{tmp_path}/a.brdf:extrapolate=zero,extrapolate=nearest")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", ["garnet_red.brdf", "krylon_blue.brdf"])
 def test_black_beyond_the_data_is_black_to_integrators_too(file: str) -> None:
     """Their tables are ratios to an envelope, which is nothing there."""

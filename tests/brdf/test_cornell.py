@@ -43,6 +43,7 @@ def made(seed: int = 1, count: int = 40) -> tuple[np.ndarray, np.ndarray]:
     return angles, rng.uniform(0.1, 0.2, size=(count, len(WAVELENGTHS)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_the_measurements_are_found_again(name):
     path = require(name)
@@ -71,6 +72,7 @@ def split(angles: np.ndarray, how: str) -> list[np.ndarray]:
     return [np.flatnonzero(np.abs(angles[:, 0] - np.radians(theta)) < 0.01) for theta in (30, 60)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 @pytest.mark.parametrize(("how", "median", "spread"), [("geometry", 0.05, 0.3), ("plane", 0.03, 0.15)])
 def test_measurements_left_out_are_found_from_the_others(name, how, median, spread):
@@ -88,6 +90,7 @@ def test_measurements_left_out_are_found_from_the_others(name, how, median, spre
     assert np.sqrt(np.mean(np.log((found + 2e-3) / (expected + 2e-3)) ** 2)) < spread
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_the_table_is_near_what_it_was_made_of(name):
     path = require(name)
@@ -104,6 +107,7 @@ def test_the_table_is_near_what_it_was_made_of(name):
     assert np.quantile(error, 0.95) < 0.03
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_the_lobe_is_round_and_at_the_mirror_direction(name):
     material = cornell.read(require(name))

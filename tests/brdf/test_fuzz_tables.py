@@ -81,6 +81,7 @@ def test_truncated_files(kind: str, tmp_path: Path) -> None:
         read_or_refused_in_one_line(read, path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", CASES)
 def test_headers_with_odd_numbers(kind: str, tmp_path: Path) -> None:
     read, whole, header = CASES[kind]
@@ -90,6 +91,7 @@ def test_headers_with_odd_numbers(kind: str, tmp_path: Path) -> None:
         read_or_refused_in_one_line(read, path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", CASES)
 def test_files_with_bytes_changed(kind: str, tmp_path: Path) -> None:
     read, whole, header = CASES[kind]

@@ -58,6 +58,7 @@ def at_centers(shape: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray, np.
     return wi[above], wo[above], np.flatnonzero(above)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [(7, 6, 9), (2, 2, 2), (90, 90, 180)])
 def test_values_at_the_centers_of_bins_are_read_back(tmp_path: Path, shape: tuple[int, int, int]) -> None:
     values = random(1, shape)

@@ -48,6 +48,7 @@ def require_equal(fields: Fields, material: brdf.Measured, wi: np.ndarray, wo: n
     assert np.all(difference <= 1e-5 * expected + floor)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_real_files_equal_an_independent_reading(name: str) -> None:
     path = require(f"brdf/{name}.bsdf")
@@ -58,6 +59,7 @@ def test_real_files_equal_an_independent_reading(name: str) -> None:
     assert material.notes[0] == rgl_format.read(path)["description"].tobytes().decode()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_real_materials_are_their_own_mirror_images_and_reflect_less_than_all(name: str) -> None:
     material = brdf.load(require(f"brdf/{name}.bsdf"))
@@ -93,6 +95,7 @@ def test_small_files_equal_an_independent_reading(tmp_path: Path, changes: dict)
     require_equal(fields, rgl.read(written(tmp_path, fields)), wi, wo)
 
 
+@pytest.mark.slow
 def test_a_model_written_to_the_format_reads_back(tmp_path: Path) -> None:
     """GGX against its formula: V is the direction of theta_i, and the cosine is that of L."""
     alpha, relative = 0.2, []

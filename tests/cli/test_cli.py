@@ -104,6 +104,7 @@ def test_prefilter_takes_its_choices(shrm: Command, sky: Path, tmp_path: Path) -
     assert (rm.criterion, rm.window, rm.clamp) == ("brdf", "hann", True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
 def test_prefilter_makes_maps_by_earlier_techniques(
     shrm: Command, sky: Path, tmp_path: Path, technique: str
@@ -243,6 +244,7 @@ def test_a_real_map_end_to_end(shrm: Command, tmp_path: Path) -> None:
     assert picture.stat().st_size > 1000
 
 
+@pytest.mark.slow
 def test_the_demo_leaves_a_folder(shrm: Command, tmp_path: Path) -> None:
     status, out, _ = shrm("demo", "--size", 12, "-o", tmp_path / "demo")
     assert status == 0
@@ -295,6 +297,7 @@ def test_the_gpu_draws_what_the_cpu_draws(tmp_path):
     assert np.linalg.norm(pictures[1] - pictures[0]) < 5e-3 * np.linalg.norm(pictures[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gpu", [[], ["--gpu"]], ids=["cpu", "gpu"])
 @pytest.mark.parametrize("what", ["light", "camera"])
 def test_a_turntable_goes_once_round(tmp_path, capsys, gpu, what):

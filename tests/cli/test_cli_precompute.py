@@ -30,6 +30,7 @@ def mesh_file(tmp_path: pathlib.Path) -> pathlib.Path:
     return path
 
 
+@pytest.mark.slow
 def test_the_command_makes_what_the_library_makes(
     shrm: Command, mesh_file: pathlib.Path, tmp_path: pathlib.Path
 ) -> None:

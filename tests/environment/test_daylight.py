@@ -30,6 +30,7 @@ def test_the_suns_irradiance_is_right_at_every_size(
     assert light == pytest.approx(daylight.sun_irradiance(elevation, 2.5), rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [64, 512, 2048])
 def test_the_suns_disc_covers_the_texels_it_should(size: int) -> None:
     """Where texels are smaller than the sun, those inside have the disc's radiance."""

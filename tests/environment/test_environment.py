@@ -184,6 +184,7 @@ def test_files_that_are_no_environment(tmp_path: Path) -> None:
 # ---- real environments
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("layout", layouts.LAYOUTS)
 def test_quarry_keeps_its_sun(layout: str) -> None:
     """The sun is over 1e4, the median 0.1; all of it must arrive, there and back."""
@@ -197,6 +198,7 @@ def test_quarry_keeps_its_sun(layout: str) -> None:
     assert integral(back) == pytest.approx(before, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_orientation_charts_agree() -> None:
     """OpenEXR's cube and lat-long show one chart; the same texels must be dark in both."""
     with pytest.warns(ImageWarning, match="alpha"):
@@ -213,6 +215,7 @@ def test_orientation_charts_agree() -> None:
         assert np.corrcoef(a.ravel(), other.ravel())[0, 1] < agreement - 0.05
 
 
+@pytest.mark.slow
 def test_the_kerner_pair_has_one_mean() -> None:
     means = [integral(read(f"openexr_KernerEnv{kind}.exr").pixels) for kind in ("LatLong", "Cube")]
     assert means[0] == pytest.approx(means[1], rel=3e-4)
@@ -226,6 +229,7 @@ def nine_terms(d: Array) -> Array:
     return np.stack([*linear, *mixed, 0.546274 * (x * x - y * y)], axis=-1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "layout", "title", "accuracy"),
     [

@@ -56,7 +56,7 @@ def test_positions_and_rays_are_inverse(layout: str) -> None:
     assert np.abs(layouts.rays(layout, h, w, p) - d).max() < 2e-9
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=200)
 @given(
     st.sampled_from(layouts.LAYOUTS),
     st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 1e-3),
@@ -69,7 +69,7 @@ def test_any_direction_falls_in_a_texel_that_belongs(layout: str, vector: tuple[
     assert np.abs(back - d).max() < 1e-7  # the mirror ball's rim: sqrt(1e-16) of rounding
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=200)
 @given(st.sampled_from(layouts.LAYOUTS), st.floats(0.01, 0.99), st.floats(0.01, 0.99), st.integers(0, 10**6))
 def test_any_point_inside_a_texel_comes_back(layout: str, u: float, v: float, k: int) -> None:
     h, w = PICTURES[layout]

@@ -40,6 +40,7 @@ def rho_about_reflection(transfer, triples) -> np.ndarray:
     return 2 * np.pi * total
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("material", "oracle"),
     [
@@ -222,6 +223,7 @@ def expanded(lobe_analysis, F, P, theta_o):
     return np.array(parts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("orders", [(8, 2), (24, 3), (30, 5), (60, 8), (120, 8)], ids=str)
 @pytest.mark.parametrize(
     ("material", "center"),

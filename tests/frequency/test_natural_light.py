@@ -87,6 +87,7 @@ def test_measured_error_is_within_the_prediction(light, material):
         assert measured <= 1.25 * rm.error + 1e-4
 
 
+@pytest.mark.slow
 def test_a_cap_on_P_is_told_and_the_error_is_right():
     """About R a GGX lobe cannot reach 1% within P = 8: the prediction says so, and says it rightly."""
     env = environment("lamps.hdr")
@@ -113,6 +114,7 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return (a * b).sum(axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ODD)
 @pytest.mark.parametrize("orders", [(10, 2), (30, 8)])
 def test_odd_functions_do_not_fool_the_prediction(name, orders):

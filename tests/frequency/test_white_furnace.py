@@ -17,6 +17,7 @@ def test_white_furnace_is_exact_for_radial_lobes(material, layout):
     np.testing.assert_allclose(radiance, expected, rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "material",
     [brdf.GGX(0.1), brdf.GGX(0.5), brdf.Microfacet(0.3), brdf.Beckmann(0.2), brdf.GGX(0.3, f0=0.04)],
@@ -63,6 +64,7 @@ def test_white_furnace_about_the_tangent(material, transfer):
     assert errors[-1] < errors[0]
 
 
+@pytest.mark.slow
 def test_white_furnace_of_many_lobes():
     """Lafortune's lobes and a diffuse one, in three colors: the albedo within the predicted error."""
     white = Environment(np.ones((32, 64, 3), np.float32))

@@ -108,6 +108,7 @@ def test_albedo_of_lambert_and_of_phong_is_one():
         assert_allclose(oracles.albedo(oracles.phong(20), wo), 1, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_facet_models_conserve_energy_and_are_reciprocal():
     rng = np.random.default_rng(3)
     d = np.abs(rng.normal(size=(2, 50, 3)))

@@ -3,6 +3,7 @@
 import subprocess
 from pathlib import Path
 
+import pytest
 from support.machine import tool
 
 ROOT = Path(__file__).parents[2]
@@ -17,6 +18,7 @@ def run(*command: object) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_the_core_is_clean_under_the_sanitizers() -> None:
     cmake, ninja = tool("cmake"), tool("ninja")
     # --fresh: the folder may have been configured elsewhere; objects that are up to date are kept.

@@ -119,11 +119,13 @@ def assert_same(other, results):
         np.testing.assert_allclose(other[name], results[name], rtol=0, atol=1e-6 * scale, err_msg=name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", [2, 7])
 def test_results_do_not_depend_on_the_number_of_threads(one_thread, threads, tmp_path):
     assert_same(run(tmp_path / "other.npz", OMP_NUM_THREADS=str(threads)), one_thread)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", processor.instruction_sets()[1:])  # the best is the one tested elsewhere
 def test_results_do_not_depend_on_the_instruction_set(one_thread, name, tmp_path):
     assert_same(run(tmp_path / "other.npz", SHRM_INSTRUCTION_SET=name), one_thread)

@@ -44,6 +44,7 @@ def read_or_fail_in_one_line(path: Path) -> None:
         one_line_fault(lambda: image_io.read_parts(path, max_bytes=1 << 26), path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".exr", ".hdr", ".pfm", ".tif", ".png"])
 def test_small_files(tmp_path: Path, suffix: str) -> None:
     whole = made(tmp_path / f"whole{suffix}")

@@ -38,6 +38,7 @@ def test_radial_lobes_equal_the_oracle(lobe, H, W, k):
     assert oracles.relative_rms(result.radiance(normals, views), expected) < 2 * result.table_error + SINGLE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", [1, 2])
 @pytest.mark.parametrize(
     "transfer",
@@ -82,6 +83,7 @@ def test_zonal_lobes_equal_the_oracle(transfer, k):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", [0, 13, 31])
 def test_a_sun_two_texels_wide(row):
     pixels = np.zeros((64, 128, 3))
@@ -112,6 +114,7 @@ def test_a_sun_two_texels_wide(row):
     assert_allclose(np.sum(whole * area, axis=(0, 1)), sun, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_white_furnace():
     env = environment(np.ones((32, 64, 3)))
     normals, views = oracles.random_views(16, seed=5)
@@ -127,6 +130,7 @@ def test_white_furnace():
             assert_allclose(result.radiance(n[None], v)[0], oracles.albedo(transfer, wo), rtol=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cutoff", [0.01, 0.05, 0.3])
 def test_truncation_leaves_out_what_it_may(cutoff):
     # Under constant light the loss is the part of the lobe's integral that was left out: at most the
@@ -209,6 +213,7 @@ def test_sharing_half_vectors_only_saves_work(sigma, cutoff, k, H, W):
     assert_allclose(shared, every_pair, rtol=0, atol=1e-5 * every_pair.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sigma", [0.1, 0.5])
 def test_the_sum_visits_its_caps(sigma):
     # Light outside of a query's cap leaves it black, light within is all there is, to a texel of .025 rad.
@@ -287,6 +292,7 @@ def test_lobes_of_the_half_angle_alone(sigma, k):
     assert_allclose(one, result.radiance(normals, view)[:5], rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_turning_everything_about_the_axis_changes_nothing():
     pixels = noise(16, 32)
     normals, views = oracles.random_views(20, seed=8)
@@ -300,6 +306,7 @@ def test_turning_everything_about_the_axis_changes_nothing():
         assert oracles.relative_rms(b, a) < 1e-5
 
 
+@pytest.mark.slow
 def test_reflection_is_linear_and_black_stays_black():
     a, b = noise(16, 32, 1), noise(16, 32, 2)
     normals, views = oracles.random_views(20, seed=9)
@@ -338,6 +345,7 @@ np.save({out!r}, np.concatenate([B[0].radiance(n, v), B[1].radiance(n, v), C.rad
 """
 
 
+@pytest.mark.slow
 def test_threads_do_not_matter(tmp_path):
     results = []
     for threads in (1, 3):

@@ -188,6 +188,7 @@ KINDS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", KINDS, ids=lambda material: material.name)
 def test_all_kinds_are_summed_over_every_texel_without_a_threshold(material):
     env = picture(24, seed=9)
@@ -214,6 +215,7 @@ def test_the_error_that_is_asked_for_is_had_by_all_kinds(name, material, view):
         assert off < 1.25 * error  # found from other views, and a part of the map
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", [KINDS[1], KINDS[4]], ids=lambda material: material.name)
 def test_a_lower_threshold_errs_no_more_for_any_kind(material):
     env = picture(32, seed=12)
@@ -236,6 +238,7 @@ def test_maps_of_a_view_are_those_of_integration(material, layout):
     np.testing.assert_allclose(found, expected, atol=1e-4 * expected.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [(3, 10), (31, 40), (60, 127)])
 def test_a_sun_of_two_texels_is_not_overlooked(place):
     """By lobes narrower than the nodes above it, where samples alone would show nothing."""
@@ -259,6 +262,7 @@ def test_lobes_narrower_than_their_tables_are_said_and_end():
     )  # of the light's texels: rows that are nothing do not widen the ring
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [2, 9])
 def test_small_maps_do_not_make_small_samples(size):
     """The threshold is found from as many texels, whatever the map is."""

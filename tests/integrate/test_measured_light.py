@@ -50,6 +50,7 @@ def test_measured_error_is_within_the_prediction(light: str, file: str) -> None:
     assert measured <= 1.25 * rm.error + 1e-4
 
 
+@pytest.mark.slow
 def test_the_judge_of_sharp_lobes_agrees_with_the_sum_over_texels() -> None:
     """A lobe that four by four nodes of each texel resolve; texels' edges cost the rings about a per cent."""
     pixels = np.random.default_rng(3).random((32, 64, 3)).astype(np.float32)

@@ -31,6 +31,7 @@ def test_integrate_equals_the_oracle(k):
     assert_allclose(B, expected, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_material_is_the_sum_of_its_lobes():
     normals, views = oracles.random_views(10, seed=2)
     lobes = (phong(9), lambert(0.5), isotropic(oracles.ggx(0.3)))
@@ -93,6 +94,7 @@ def test_at_view_is_radiance_at_the_normal_of_the_center(center):
     assert_allclose(result.at_view(view).reshape(-1, 3), expected, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_at_view_about_the_lobe():
     # Take normals, find the center as the mean direction of rho_hat^2, look it up in a fine map.
     view = np.array([0.0, 0.6, 0.8])
@@ -137,6 +139,7 @@ def test_several_centers_have_a_map_each():
     assert_allclose(maps["normal"], alone, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_the_other_center_only_indexes():
     m = material(isotropic(oracles.ggx(0.3)))
     normals, views = oracles.random_views(5, seed=5)

@@ -64,6 +64,7 @@ def test_equal_splits_are_equal():
     assert [type(part) for part in split(brdf.Phong(9).lobes[0], 2.0)] == [RadialLobe] * 2
 
 
+@pytest.mark.slow
 def test_there_is_no_residual_where_none_is_needed(env):
     for material in (brdf.Lambert(0.5), brdf.GGX(0.3), brdf.Lambert(0.5) + brdf.GGX(0.3), brdf.KajiyaKay(8)):
         plain, auto = (prefilter(env, material, tolerance=0.1, residual=how) for how in (None, "auto"))
@@ -153,6 +154,7 @@ def test_the_error_is_as_predicted_and_within_the_tolerance(material, cut, name)
     assert oracles.relative_rms(alone.radiance(N, V), exact, weight) > 2 * measured
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", SHARP, ids=str)
 def test_given_orders_meet_the_tolerance_too(env, material):
     for tolerance in (0.1, 0.03):
@@ -180,6 +182,7 @@ def test_a_white_furnace_gives_the_directional_albedo(material):
     assert oracles.relative_rms(rm.radiance(N, V)[:, 0], expected) <= 1.25 * rm.error + 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", [0.7 * brdf.GGX(1e-4), 0.7 * brdf.Phong(1e7)], ids=["ggx", "phong"])
 def test_what_is_narrower_than_texels_can_be_cut_is_looked_up(material):
     """A mirror: the texel in its direction, times the albedo."""
@@ -195,6 +198,7 @@ def test_what_is_narrower_than_texels_can_be_cut_is_looked_up(material):
     assert oracles.relative_rms(rm.radiance(N, V)[:, 0], expected) <= 1.25 * rm.error + 1e-4
 
 
+@pytest.mark.slow
 def test_maps_for_a_view_hold_the_residual(chrome):
     view = [0.0, 0.6, 0.8]
     pixels = chrome.at_view(view)
@@ -214,6 +218,7 @@ def test_maps_for_a_view_hold_the_residual(chrome):
     assert oracles.relative_rms(looked_up, chrome.radiance(N, view)) < 0.25  # the nearest of 1.4 degrees
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("layout", ["latlong", "cube"])
 def test_a_saved_map_has_its_residual(env, layout, tmp_path):
     material = 0.5 * brdf.Lambert(0.4) + brdf.GGX(0.05, f0=(1.0, 0.7, 0.2)) + brdf.Phong(4000)
@@ -230,6 +235,7 @@ def test_a_saved_map_has_its_residual(env, layout, tmp_path):
             assert oracles.relative_rms(theirs.maps_at_view([0, 0, 1])[name], pixels) < 2e-3
 
 
+@pytest.mark.slow
 def test_files_of_version_2_are_read(env, tmp_path):
     """They called the table of gamma of a core `centre`."""
     rm = prefilter(env, brdf.GGX(0.05), size=16, **SMALL)
@@ -244,6 +250,7 @@ def test_files_of_version_2_are_read(env, tmp_path):
     np.testing.assert_array_equal(old_map.radiance(N, V), new.radiance(N, V))
 
 
+@pytest.mark.slow
 def test_a_core_that_is_missing_or_damaged_is_no_whole_map(env, tmp_path):
     prefilter(env, brdf.GGX(0.05), size=16, **SMALL).save(tmp_path / "map.exr")
     parts = image_io.read_parts(tmp_path / "map.exr")
@@ -274,6 +281,7 @@ def test_a_core_that_is_missing_or_damaged_is_no_whole_map(env, tmp_path):
             ReflectionMap.load(tmp_path / "bad.exr")
 
 
+@pytest.mark.slow
 def test_relighting_follows_light_and_turns(env):
     material = brdf.GGX(0.05)
     relit = Prefilter(env, material, size=32, **SMALL)
@@ -291,6 +299,7 @@ def test_relighting_follows_light_and_turns(env):
         relit.update(brdf=brdf.GGX(0.06))
 
 
+@pytest.mark.slow
 def test_the_same_twice(env, chrome):
     again = prefilter(env, brdf.GGX(0.05, f0=(0.9, 0.8, 0.5)), **SMALL)
     N, V = oracles.random_views(200, seed=10)
@@ -299,6 +308,7 @@ def test_the_same_twice(env, chrome):
     np.testing.assert_array_equal(chrome.radiance(N, V[0]), chrome.radiance(N, np.tile(V[0], (200, 1))))
 
 
+@pytest.mark.slow
 def test_what_cannot_hold_a_residual_says_so(env):
     chrome = prefilter(env, brdf.GGX(0.05), size=12, **SMALL)
     for lose in (explicit.without_azimuth, lambda rm: explicit.three_dimensional_texture(rm, 4)):

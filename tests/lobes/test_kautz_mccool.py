@@ -43,6 +43,7 @@ def test_the_symmetric_lobe_is_the_mean_over_azimuth(material):
             )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", GLOSSY, ids=lambda material: material.name)
 def test_symmetric_lobes_reflect_what_the_lobe_does(material):
     """A white light: the mean over azimuth leaves the integral as it is."""

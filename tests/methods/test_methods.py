@@ -100,6 +100,7 @@ def test_wrong_arguments(changed, error, text):
         cheapest(**{"env": SKY, "brdf": brdf.Phong(20)} | changed)
 
 
+@pytest.mark.slow
 def test_sharp_lobes_under_a_large_light_are_descended_for_and_under_a_small_one_integrated():
     """What frequency space cannot reach within the caps, where it would take fewer evaluations."""
     glossy = brdf.GGX(0.15)

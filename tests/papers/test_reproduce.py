@@ -104,6 +104,7 @@ def table_over_R() -> np.ndarray:
     return of_R(directions("latlong", H, 2 * H)).reshape(-1)
 
 
+@pytest.mark.slow
 def test_the_command_writes_every_result_and_the_index(shrm: Command, sky: Path, tmp_path: Path) -> None:
     status, out, err = shrm("reproduce", "--env", sky, "--quick", "-o", tmp_path / "out")
     assert (status, err) == (0, "")

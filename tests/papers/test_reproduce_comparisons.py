@@ -31,6 +31,7 @@ def test_the_velvet_s_distribution_is_normalised_and_its_light_comes_from_the_ri
     assert D[0] > 2 * D[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", [figure_9, figure_10], ids=["rh02-figure-9", "rh02-figure-10"])
 def test_quick_figures(figure):
     settings = Settings(band_limited_environment(6, seed=8, H=32), "a test", quick=True)

@@ -40,6 +40,7 @@ def check(result: Result) -> None:
     result.figure.savefig(io.BytesIO(), dpi=30)
 
 
+@pytest.mark.slow
 def test_it_needs_no_file_and_says_what_stands_in() -> None:
     result = figure_1.make(Settings(SKY, "a sky", quick=True))
     check(result)
@@ -51,6 +52,7 @@ def test_it_needs_no_file_and_says_what_stands_in() -> None:
     assert "knot" in result.notes[-1]
 
 
+@pytest.mark.slow
 def test_the_folder_s_light_object_and_materials_are_shown() -> None:
     for name in NEEDED:
         require(name)

@@ -64,6 +64,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
     return {name: module.make(settings) for name, module in FIGURES.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_is_a_table_and_a_picture(results: dict[str, Result], name: str) -> None:
     result = results[name]
@@ -190,6 +191,7 @@ def test_8_wide_lobes_that_miss_are_explained() -> None:
     assert this.half_grazing < 10 < this.half
 
 
+@pytest.mark.slow
 def test_8_files_of_measurements_are_read_from_the_folder(tmp_path: Path) -> None:
     assert figure_8.measured(None) == {}
     (tmp_path / "brdf").mkdir()

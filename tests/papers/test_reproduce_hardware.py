@@ -26,6 +26,7 @@ def column(result: Result, name: str) -> list:
     return [row[list(result.columns).index(name)] for row in result.rows]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", [kautz_figure_3, *DRAWN], ids=lambda module: module.NAME)
 def test_every_row_is_whole_and_there_is_a_picture(module):
     result = made(module)
@@ -35,6 +36,7 @@ def test_every_row_is_whole_and_there_is_a_picture(module):
     assert "OpenGL: " in " ".join(result.notes) or module is kautz_figure_3
 
 
+@pytest.mark.slow
 def test_the_table_is_beside_the_papers():
     result = made(kautz_table_2)
     for name in ("small filter", "large filter", "small shrink", "large shrink"):

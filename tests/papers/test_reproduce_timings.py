@@ -31,6 +31,7 @@ def column(result: Result, name: str) -> list[float]:
 # ---- The tables
 
 
+@pytest.mark.slow
 def test_the_frequency_side_is_at_least_as_accurate(result: Result) -> None:
     angular = np.minimum(column(result, "error, angular"), column(result, "error, angular rescaled"))
     frequency = np.array(column(result, "error, frequency"))

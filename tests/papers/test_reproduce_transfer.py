@@ -52,6 +52,7 @@ def column(result: Result, name: str) -> np.ndarray:
     return np.array([row[list(result.columns).index(name)] for row in result.rows])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", MODULES, ids=lambda module: module.NAME)
 def test_every_row_is_whole_and_there_is_a_picture(module, tmp_path):
     result = made(module)
@@ -236,6 +237,7 @@ def test_compression_is_worse_with_gloss_and_shadows():
         assert last["glossy", shadows] < last["matt", shadows]
 
 
+@pytest.mark.slow
 def test_unshadowed_components_are_those_of_frames_of_two_angles():
     made = shadowing().precomputed(brdf.AshikhminShirley(40, 10), M=4, path=Path(inner=n), K=82, half=False)
     snr = made.report["compression"]["unshadowed"]["SNR of 1 to K"]

@@ -58,6 +58,7 @@ def test_icosahedral_weights_are_continuous_over_edges():
     np.testing.assert_allclose(left[rows, i] + left[rows, j], 1, atol=20 * step)
 
 
+@pytest.mark.slow
 def test_twelve_maps_are_exact_for_their_own_views_and_for_radial_lobes():
     env = band_limited_environment(4, seed=3, H=16)
     glossy = brdf.GGX(0.5)

@@ -49,6 +49,7 @@ def test_lobes_of_one_shape_are_exact(env, cls, material, method):
     assert oracles.relative_rms(found.radiance(N, V), of_kernel(env, *material.lobes)) < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("material", [brdf.GGX(0.3), brdf.Microfacet(0.3)], ids=lambda m: m.name)
 def test_three_dimensions_hold_the_symmetric_lobe(env, material, method):
@@ -59,6 +60,7 @@ def test_three_dimensions_hold_the_symmetric_lobe(env, material, method):
     assert 0.001 < oracles.relative_rms(expected, of_kernel(env, *material.lobes)) < 0.3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("lobes", [1, 3])
 def test_two_dimensions_hold_factored_lobes(env, lobes, method):
@@ -73,6 +75,7 @@ def test_two_dimensions_hold_factored_lobes(env, lobes, method):
     assert oracles.relative_rms(found.radiance(N, V), expected) < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("material", [brdf.Banks(0.5), brdf.KajiyaKay(12)], ids=lambda m: m.name)
 def test_anisotropic_maps_hold_lobes_about_the_tangent(env, material, method):
@@ -82,6 +85,7 @@ def test_anisotropic_maps_hold_lobes_about_the_tangent(env, material, method):
         found.radiance(N, V)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("center", ["lobe", "reflection"])
 def test_cabral_is_integration_at_its_twelve_views(env, center, method):
@@ -94,6 +98,7 @@ def test_cabral_is_integration_at_its_twelve_views(env, center, method):
         assert oracles.relative_rms(found.radiance(seen, view), expected) < 0.015
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
 def test_a_material_of_several_lobes_has_a_map_for_each(env, technique):
     material = brdf.Lambert(0.5) + 0.3 * brdf.Phong(10) + brdf.GGX(0.4)
@@ -106,6 +111,7 @@ def test_a_material_of_several_lobes_has_a_map_for_each(env, technique):
     )
 
 
+@pytest.mark.slow
 def test_miller_and_heidrich_s_material_takes_two_maps(env):
     material = brdf.MillerHeidrich((0.6, 0.4, 0.2), 20, f0=0.1)
     found = prefilter(env, material, technique="kautz-mccool-2d", size=48, tolerance=0.005)
@@ -115,6 +121,7 @@ def test_miller_and_heidrich_s_material_takes_two_maps(env):
     assert oracles.relative_rms(found.radiance(N, V), exact) < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
 def test_a_white_light_shows_the_albedo(technique):
     """Energy: approximations keep what is reflected of it, for every view."""
@@ -205,6 +212,7 @@ def test_a_class_loads_its_own_maps_only(env, tmp_path):
         Diffuse.load(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
 def test_maps_of_a_shrm_are_those_of_its_light(technique):
     """By coefficients as by integration, for each kind of lobe."""
@@ -219,6 +227,7 @@ def test_maps_of_a_shrm_are_those_of_its_light(technique):
         Prefiltered.from_reflection_map(rm, brdf.GGX(0.3), technique=technique)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("technique", ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"])
 def test_black_lobes_and_channels_reflect_nothing(env, technique):
     for material in (0.0 * brdf.GGX(0.3), (1, 0, 0) * brdf.GGX(0.3)):

@@ -11,6 +11,7 @@ from shrm.render.material_figure import F, P, _energies, material_figure
 LIGHT = Environment(np.random.default_rng(1).uniform(0.5, 2.0, (16, 32, 3)).astype(np.float32))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["lambert:0.5", "lambert:0.3 + ggx:0.3", "banks:0.8", "lafortune:skin"])
 def test_it_is_drawn(text: str) -> None:
     drawn = io.BytesIO()

@@ -93,6 +93,7 @@ def test_linear_in_the_picture():
     np.testing.assert_allclose(both, 2 * sh.analysis(x, 8) - 3 * sh.analysis(y, 8), atol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("W", [24, 26, 25])
 def test_areas_are_integrated_exactly(W):
     """Texels as areas: the integral of Y over each, here by a fine product rule that shares no code."""
@@ -181,7 +182,7 @@ def test_wigner_d_rows_are_unit_vectors_at_high_degree(alpha):
         assert np.sum(np.square(row)) == pytest.approx(1, abs=1e-10)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     H=st.integers(1, 24),
     W=st.integers(1, 40),

@@ -90,6 +90,7 @@ def test_lamberts_rows_in_closed_form():
     np.testing.assert_allclose(actual, expected, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "material",
     [brdf.GGX(0.02), brdf.GGX(0.3, (0.04, 0.5, 1.0)), brdf.Beckmann(0.1), AS, brdf.AnisotropicGGX(0.1, 0.4)],
@@ -147,6 +148,7 @@ def matrices() -> dict:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponents", GLOSSY)
 def test_what_the_extensions_keep_of_glossy_materials(matrices, exponents):
     snr = {extension: matrices[exponents, extension].snr for extension in GLOSSY[exponents]}
@@ -169,6 +171,7 @@ def glossy_rows() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return views, weights[quarter], plain_rows(oracles.ashikhmin_shirley(40, 10, 0.5), views, 5, 32)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("extension", ["least-squares", "even", "zero"])
 def test_the_snr_is_that_of_reflected_radiance(matrices, extension):
     made = matrices[(40, 10), extension]

@@ -152,6 +152,7 @@ def test_the_quadrature_is_exact_for_polynomials():
             assert weights @ values == pytest.approx(exact, abs=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("M", "m"), [(2, 3), (5, 4), (8, 8), (11, 10)])
 def test_the_change_of_basis_is_the_integral_of_tents_times_harmonics(M, m):
     C = DirectionalBasis(M).change_of_basis(m)
@@ -164,6 +165,7 @@ def test_the_change_of_basis_is_the_integral_of_tents_times_harmonics(M, m):
     np.testing.assert_allclose(C, expected, atol=2 * (m / 240) ** 2 * np.abs(C).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("M", "m"), [(2, 10), (3, 8), (11, 6), (4, 16)])
 def test_the_change_of_basis_does_not_depend_on_its_nodes(M, m):
     basis = DirectionalBasis(M)
@@ -192,6 +194,7 @@ def test_the_hemispherical_gram_matrix(m):
 # The error of the projection
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("M", PSNR)
 def test_the_average_psnr(M):
     basis = DirectionalBasis(M)
@@ -217,6 +220,7 @@ def test_the_average_is_that_of_random_expansions():
     assert -10 * np.log10(np.mean(squared)) == pytest.approx(basis.average_psnr(4), abs=5 * 4.35 * error)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("M", "m"), [(5, 3), (11, 8)])
 def test_the_error_matrix_measures_what_projection_leaves(M, m):
     basis, rng = DirectionalBasis(M), np.random.default_rng(11)

@@ -80,6 +80,7 @@ def measured(mesh: Mesh, transfer: RadianceTransfer, by_rays: oracles.Transfer) 
     return snr(B, above(mesh, vertices, found(transfer, "shadowed", vertices)))
 
 
+@pytest.mark.slow
 def test_the_oracles_rays_are_those_of_moeller_and_trumbore():
     mesh = read("bunny")
     rays, d = BruteForce(*mesh), spiral(512, np.eye(3))
@@ -101,12 +102,14 @@ def test_glossy_objects_with_shadows_have_the_default_accuracy(name, exponents):
     assert transfer.report["SNR of matrices"] == pytest.approx(reached, abs=SPREAD)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MESHES)
 def test_diffuse_objects_with_shadows_have_40_dB(name):
     mesh = read(name)
     assert measured(mesh, transferred(mesh, brdf.Lambert(1.0)), oracles.lambert()) >= 40
 
 
+@pytest.mark.slow
 def test_the_published_way_loses_most_of_it():
     """Transferred radiance of order 5: 11.5 to 14.4 dB on meshes such as these."""
     mesh = read("bunny")
@@ -114,12 +117,14 @@ def test_the_published_way_loses_most_of_it():
     assert 10 < measured(mesh, transfer, oracles.ashikhmin_shirley(40, 40)) < 16
 
 
+@pytest.mark.slow
 def test_more_is_had_for_more():
     mesh = read("bunny")
     transfer = transferred(mesh, brdf.GGX(0.4), accuracy=30.0)
     assert measured(mesh, transfer, oracles.ggx(0.4)) >= 30
 
 
+@pytest.mark.slow
 def test_a_bounce_is_that_of_rays_that_go_on():
     """A ball above a floor. Tents of M = 9 hold this material to some 30 dB, and its bounces alike.
 

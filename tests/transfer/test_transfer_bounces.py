@@ -97,6 +97,7 @@ def test_a_convex_object_lights_nothing(tmp_path):
     np.testing.assert_allclose(L[:, 0], 0.7 / np.pi * E, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("albedo", [0.3, 0.9])
 def test_a_bowl_under_white_light_is_half_an_integrating_sphere(tmp_path, albedo):
     """From any point of a sphere, any part of it fills, by the cosine, its share of the area.
@@ -155,6 +156,7 @@ def traced_irradiance(
     return mean, error
 
 
+@pytest.mark.slow
 def test_bounces_are_those_of_a_path_tracer(tmp_path):
     """A floor and two walls at a corner, each with its own vertices where they meet."""
     x, y, z = np.eye(3)

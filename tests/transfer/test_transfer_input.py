@@ -208,6 +208,7 @@ def test_broken_meshes_are_computed_all_the_same(path):
     np.testing.assert_array_equal(held.frames[COUNT + 2, :, 2], [0, 0, 1])
 
 
+@pytest.mark.slow
 def test_tangents_without_a_direction_do_not_matter_to_isotropic_materials():
     """They turn frames about the normal, and with them the rays and the tents: 1024 and 7 x 7, 25 dB each."""
     light, view = np.eye(9)[:, 1:4], np.array([0, 0, 1.0])
@@ -241,6 +242,7 @@ def test_extreme_meshes_are_computed(mesh):
         assert np.isfinite(held.radiance(np.ones((4, 3)), view=[0, 0, 1.0], variant=name)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [1, 10])
 @pytest.mark.parametrize("directions", [16, 1000])
 def test_extreme_orders_and_counts_are_computed(n, directions):

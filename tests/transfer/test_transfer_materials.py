@@ -54,6 +54,7 @@ def test_blends_are_blends_of_matrices():
         assert not matrices(held, name)[0].any()
 
 
+@pytest.mark.slow
 def test_grey_and_colored_materials_blend():
     materials, s = (brdf.Lambert(0.5), COLORED), shares(3)
     held = transferred(BUMPY, materials, shares=s, variants=ALL, albedo=0.5)
@@ -105,6 +106,7 @@ def test_glossy_materials_have_an_albedo_too():
     np.testing.assert_allclose(by_default, given, atol=1e-3 * np.abs(given).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", PATHS, ids=str)
 @pytest.mark.parametrize("material", [brdf.GGX(0.4), COLORED], ids=["grey", "color"])
 def test_colors_are_channels_by_themselves(path, material):
@@ -133,6 +135,7 @@ def about_the_tangent(transfer: oracles.Transfer) -> oracles.Transfer:
     return turned
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", PATHS, ids=str)
 @pytest.mark.parametrize(
     ("material", "transfer"),

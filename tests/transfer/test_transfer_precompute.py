@@ -43,6 +43,7 @@ def test_a_convex_white_object_under_white_light_is_white(name, path):
         np.testing.assert_allclose(radiance(held, name, white(3), view), 1, atol=2e-4)
 
 
+@pytest.mark.slow
 def test_a_convex_object_under_white_light_has_the_directional_albedo():
     """To what tents of this M keep of it, by the report."""
     mesh, alpha = ball(2), 0.5
@@ -102,6 +103,7 @@ def unshadowed_expected(
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", ["unshadowed", "shadowed"])
 @pytest.mark.parametrize(
     ("material", "transfer"),
@@ -153,6 +155,7 @@ def test_radiance_is_linear_in_the_light(half):
         assert np.abs(2 * parts[0] - 3 * parts[1] - parts[2]).max() < 1e-6 * scale
 
 
+@pytest.mark.slow
 def test_object_and_light_turn_together():
     mesh, R = BUMPY, random_rotation(11)
     tangents = np.random.default_rng(12).normal(size=mesh[0].shape)

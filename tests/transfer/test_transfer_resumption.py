@@ -78,6 +78,7 @@ class Stops:
             raise KeyboardInterrupt
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", [Way(), Way(3)], ids=str)
 def test_stopped_at_every_step_and_continued_it_is_the_same(tmp_path, counts, path):
     whole, steps = transferred(path=path), dict(counts)
@@ -215,6 +216,7 @@ def test_damaged_matrices_are_computed_again(tmp_path):
         same(transferred(work=tmp_path), first)
 
 
+@pytest.mark.slow
 def test_damaged_rays_are_told(tmp_path):
     transferred(work=tmp_path)
     block = next(tmp_path.rglob("*_00001.npz"))

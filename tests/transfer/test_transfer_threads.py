@@ -23,6 +23,7 @@ def expected() -> dict[str, np.ndarray]:
     return results(computed())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "environment",
     [{"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}, {"OMP_NUM_THREADS": "3"}]

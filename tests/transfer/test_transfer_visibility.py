@@ -87,6 +87,7 @@ def test_a_finished_folder_is_not_written_again(tmp_path):
     assert {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()} == before
 
 
+@pytest.mark.slow
 def test_a_process_that_ends_as_it_writes_leaves_what_was_finished(tmp_path):
     """Ended for real: in place of the rename of the third block."""
     code = f"""

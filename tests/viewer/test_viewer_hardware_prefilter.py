@@ -178,6 +178,7 @@ def test_the_exact_filter_is_the_sum_over_all_texels(context, exponent):
     assert max(errors) < 0.01
 
 
+@pytest.mark.slow
 def test_lobes_about_the_normal_and_of_three_channels(context):
     material = brdf.Lambert((0.8, 0.5, 0.2)) + 0.5 * brdf.Phong(30)
     N, V = sphere(1000, 4), sphere(1000, 5)
@@ -201,6 +202,7 @@ def test_any_radial_lobe_is_taken(context):
             assert oracles.relative_rms(prefilter.radiance(D, D), exact) < bound
 
 
+@pytest.mark.slow
 def test_lobes_that_change_with_the_view_are_factored(context):
     """Kautz and McCool's of two dimensions, as `shrm.prefiltered` integrates them."""
     material = brdf.Lambert(0.3) + brdf.GGX(0.4, (1.0, 0.7, 0.3))

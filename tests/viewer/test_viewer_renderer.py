@@ -104,6 +104,7 @@ def light(name: str) -> Environment:
     return environment(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("env", ["daylight", "lamps.hdr"])
 @pytest.mark.parametrize("viewer", ["near", "distant"])
 @pytest.mark.parametrize("material", MATERIALS, ids=lambda material: material.name)
@@ -138,6 +139,7 @@ def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, techni
     assert compared(renderer, turned) < OF_LAYERS[viewer] + lookup_error(renderer.context, 0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("viewer", ["near", "distant"])
 @pytest.mark.parametrize(
     ("material", "technique"),
@@ -265,6 +267,7 @@ def test_a_mesh_of_spoilt_faces_is_drawn(renderer, glossy):
     assert compared(renderer, Scene([Object(field, hair)], CAMERA)) < 5e-3
 
 
+@pytest.mark.slow
 def test_a_million_triangles_are_drawn(renderer, glossy):
     fine = torus(rings=500, around=1000)
     assert len(fine.faces) == 1_000_000

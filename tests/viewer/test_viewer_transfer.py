@@ -52,6 +52,7 @@ def matches(hands: Hands, path: Path, sky: Path) -> bool:
 # ---- The window
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("viewer", ["near", "distant"])
 def test_it_shows_what_the_library_draws(opened: Opened, sky: Path, file: Path, viewer: str) -> None:
     hands = opened(transfer=str(file), viewer=viewer)
@@ -67,6 +68,7 @@ def test_it_shows_what_the_library_draws(opened: Opened, sky: Path, file: Path, 
     assert hands.app.lighting.answered == 1  # light and eye take no worker
 
 
+@pytest.mark.slow
 def test_shadows_bounces_and_window_by_keys_and_in_the_panel(opened: Opened, sky: Path, file: Path) -> None:
     hands = opened(WHOLE_PANEL, transfer=str(file))
     app, pictures = hands.app, {"interreflected": hands.look()}
@@ -104,6 +106,7 @@ def test_without_other_variants_keys_and_boxes_do_nothing(opened: Opened, tmp_pa
     assert hands.app.fault == ""
 
 
+@pytest.mark.slow
 def test_components_and_tents_by_sliders(opened: Opened, sky: Path, file: Path) -> None:
     hands = opened(WHOLE_PANEL, transfer=str(file))
     app, before = hands.app, hands.look()
@@ -143,6 +146,7 @@ def test_light_turns_by_itself_as_time_passes(opened: Opened, sky: Path, file: P
     np.testing.assert_allclose(app.state.R, about_vertical(6.0 * 30.0), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_frames_of_turning_light_leave_as_much_on_the_gpu(opened: Opened, file: Path) -> None:
     hands = opened(transfer=str(file), turning=False)
     app, now = hands.app, [0.0]
@@ -163,6 +167,7 @@ def test_frames_of_turning_light_leave_as_much_on_the_gpu(opened: Opened, file: 
 ANISOTROPIC = brdf.AnisotropicGGX(0.5, 0.25, f0=(1.0, 0.7, 0.3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", [GLOSSY, ANISOTROPIC], ids=["isotropic", "anisotropic"])
 def test_plain_shading_is_integrated_in_the_same_light(
     opened: Opened, sky: Path, tmp_path: Path, material: brdf.BRDF
@@ -224,6 +229,7 @@ def test_a_material_without_text_is_not_integrated(opened: Opened, tmp_path: Pat
 # ---- Files
 
 
+@pytest.mark.slow
 def test_objects_are_dropped_and_left(opened: Opened, file: Path, tmp_path: Path) -> None:
     hands = opened(WHOLE_PANEL)
     app, before = hands.app, hands.look()

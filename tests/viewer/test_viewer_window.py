@@ -77,6 +77,7 @@ def test_right_drags_turn_the_light_and_what_is_behind(opened: Opened) -> None:
     assert np.abs(back.astype(int) - before).max() <= 1
 
 
+@pytest.mark.slow
 def test_a_slider_prefilters_while_it_moves(opened: Opened) -> None:
     hands = opened()
     app, before = hands.app, hands.look()
@@ -99,6 +100,7 @@ def test_a_slider_prefilters_while_it_moves(opened: Opened) -> None:
     assert app.state.eye.azimuth == 0.0
 
 
+@pytest.mark.slow
 def test_controls_of_method_accuracy_and_picture(opened: Opened) -> None:
     hands = opened(WHOLE_PANEL)
     app = hands.app
@@ -125,6 +127,7 @@ def test_controls_of_method_accuracy_and_picture(opened: Opened) -> None:
     assert app.state.exposure == pytest.approx(exposure, abs=0.02)  # found with fewer samples at first
 
 
+@pytest.mark.slow
 def test_objects_are_added_and_removed(opened: Opened) -> None:
     hands = opened(WHOLE_PANEL, materials=("lambert:0.8", "phong:8"))
     app, before = hands.app, hands.look()
@@ -141,6 +144,7 @@ def test_objects_are_added_and_removed(opened: Opened) -> None:
     assert same(hands.look(), before)
 
 
+@pytest.mark.slow
 def test_pictures_and_meshes_are_dropped(opened: Opened, tmp_path: Path) -> None:
     hands = opened(WHOLE_PANEL)
     app, before = hands.app, hands.look()
@@ -159,6 +163,7 @@ def test_pictures_and_meshes_are_dropped(opened: Opened, tmp_path: Path) -> None
     assert same(hands.look(), lit)
 
 
+@pytest.mark.slow
 def test_tangents_are_chosen_where_a_material_has_a_lobe_about_them(opened: Opened, tmp_path: Path) -> None:
     hands = opened(WHOLE_PANEL, materials=("banks:0.5",))
     app = hands.app
@@ -194,6 +199,7 @@ def test_tangents_are_chosen_where_a_material_has_a_lobe_about_them(opened: Open
     assert "tangents" not in app.panel.widgets.places
 
 
+@pytest.mark.slow
 def test_a_refused_picture_is_repaired_or_given_its_layout(opened: Opened, tmp_path: Path) -> None:
     hands = opened(WHOLE_PANEL)
     app, before = hands.app, hands.look()
@@ -302,6 +308,7 @@ def test_the_state_is_saved_and_opened(opened: Opened, tmp_path: Path) -> None:
     assert same(hands.look(), before)
 
 
+@pytest.mark.slow
 def test_integration_agrees_with_the_maps(opened: Opened) -> None:
     hands = opened(materials=("lambert:0.8", "ggx:0.4"), viewer="near", background=False)
     drawn = hands.app.screen.picture()
@@ -346,6 +353,7 @@ def test_techniques_are_compared(opened: Opened) -> None:
     assert app.comparison.worker.answered == answered  # the same integral serves all of them
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("filter", ["two-pass", "exact"])
 def test_the_gpu_filters_for_a_turned_light_and_refuses_hair(opened: Opened, filter: str) -> None:
     filtered = {"technique": "kautz-mccool-2d", "filter": filter}
@@ -394,6 +402,7 @@ def test_keys_are_listed_and_end_it(opened: Opened) -> None:
     hands.app.run()  # and returns
 
 
+@pytest.mark.slow
 def test_five_hundred_frames_leave_as_many_objects_on_the_gpu(opened: Opened) -> None:
     hands = opened()
     app = hands.app
@@ -428,6 +437,7 @@ def test_the_first_fault_ends_it(screen: None, tmp_path: Path) -> None:
     app.close()
 
 
+@pytest.mark.slow
 def test_without_a_display_one_line_says_what_to_do() -> None:
     without = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     code = "import sys; from shrm.cli import main; sys.exit(main(['view']))"

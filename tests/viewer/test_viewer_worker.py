@@ -101,6 +101,7 @@ def last(answers: Iterator[Prefiltered]) -> Prefiltered:
     return list(answers)[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("orders", [None, (8, 2)])
 def test_maps_are_those_of_prefilter_and_no_later_request_writes_to_them(
     sky: Path, orders: tuple[int, int] | None
