@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from shrm.brdf.measured import resampled
 from shrm.frequency import orders
 from shrm.frequency.analysis import analyse
 from shrm.lobes.center import lobe_center
+from support import rgl_format
 from support.directions import hemisphere
 from support.materials import MEASURED, MODELS, derived, doubled, glossy, write_measurements
 
@@ -148,3 +151,46 @@ def test_lobes_scaled_alike_are_equal() -> None:
     assert lobe.scaled(2.0) != lobe.scaled(3.0)
     assert lobe.scaled(2.0).profile == Scaled(doubled, 2.0)
     assert lobe != brdf.RadialLobe("reflection", doubled)
+
+
+@pytest.mark.parametrize(
+    ("make", "text"),
+    [
+        (lambda: 1e40 * brdf.GGX(0.3), "factor must be in [0, 1e+30], got 1e+40"),
+        (lambda: (1.0, 1e31, 0.0) * brdf.GGX(0.3), "factor must be in [0, 1e+30], got 1e+31"),
+        (lambda: brdf.Phong(1e13), "exponent must be in [0, 1e+12], got 1e+13"),
+        (lambda: brdf.KajiyaKay(1e13), "exponent must be in [0, 1e+12], got 1e+13"),
+        (lambda: brdf.MillerHeidrich(0.5, 1e13), "exponent must be in [0, 1e+12], got 1e+13"),
+        (
+            lambda: brdf.Lafortune([-1], [-1], [1], [1e13]),
+            "exponent must be in [0, 1e+12], got 1e+13 to 1e+13",
+        ),
+        (lambda: brdf.Lafortune([-9], [-9], [9], [40]), "max(|x|, |z|)^exponent below 1e+30"),
+        (
+            lambda: brdf.Tabulated(np.full((2, 2, 2), 1e31)),
+            "values must be in [0, 1e+30], got 1e+31 to 1e+31",
+        ),
+        (
+            lambda: brdf.ABC(0.1, 1.0, 1e12, 100.0, 1.5),
+            "ABC: B and C must make a lobe that falls to half at 1e-06",
+        ),
+        (
+            lambda: brdf.from_function(lambda wi, wo: np.full(len(wi), 1e31)),
+            "must be at most 1e+30 per steradian",
+        ),
+    ],
+)
+def test_what_maps_of_float32_cannot_hold_is_refused(make: Callable[[], brdf.BRDF], text: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(text)):
+        make()
+
+
+def test_measurements_beyond_float32_are_refused(tmp_path: Path) -> None:
+    """Each field is within its range, and what is computed of them is not."""
+    fields = rgl_format.random(1)
+    fields["ndf"] = fields["ndf"] * np.float32(1e25)
+    fields["sigma"] = fields["sigma"] * np.float32(1e-20)
+    path = tmp_path / "paint.bsdf"
+    path.write_bytes(rgl_format.content(fields))
+    with pytest.raises(brdf.MeasurementError, match=r"values times ndf / \(4 sigma\) must be below 1e\+30"):
+        brdf.load(path)

@@ -28,7 +28,7 @@ class BRDF(ABC):
     """A material: a sum of lobes, each with its own center.
 
     `a + b` is the material that reflects what both reflect; `0.5 * a` and `(1, 0.5, 0.2) * a`
-    scale it, per channel where three numbers are given. Factors are at least 0.
+    scale it, per channel where three numbers are given. Factors are in [0, 1e30].
 
     """
 
@@ -126,7 +126,7 @@ class BRDF(ABC):
     def __mul__(self, factor: object) -> BRDF:
         if isinstance(factor, BRDF):
             return NotImplemented
-        weight = number_or_rgb(f"{self.name}: factor", factor, 0.0)
+        weight = number_or_rgb(f"{self.name}: factor", factor, 0.0, parameters.LARGEST)
         terms = (f"{parameters.text(weight)}*{term}" for term in self.name.split(" + "))
         return Material(tuple(lobe.scaled(weight) for lobe in self.lobes), " + ".join(terms))
 

@@ -18,6 +18,13 @@ if TYPE_CHECKING:
 # this 1 / alpha^2 approaches the largest numbers that leave room for products of two of them.
 NARROWEST = 1e-6
 
+# Exponents of cosines: lobes cos^n are 1 / sqrt(n) radians wide.
+SHARPEST = NARROWEST**-2
+
+# Factors and values of a BRDF, per steradian: what float32, the type of maps, holds with room for the peaks
+# of narrow lobes and for sums over the light.
+LARGEST = 1e30
+
 
 def text(value: float | RGB) -> str:
     """Write a parameter as the command line reads it: '0.1', '1/0.8/0.3'."""

@@ -33,6 +33,7 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import BoolArray, Float32Array, FloatArray
+from shrm.brdf import parameters
 from shrm.brdf.measured.measured import Extrapolate, Measured
 from shrm.brdf.measured.spectrum import to_linear_srgb
 from shrm.brdf.measured.tensor_file import MAGIC, TensorFile, open_tensor_file
@@ -86,11 +87,20 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     size = np.abs(values).mean(dtype=np.float64)
     if (handedness := np.abs(values - values[:, ::-1]).mean(dtype=np.float64)) > 1e-3 * size:
         notes += (f"differs by {handedness / size:.1%} from its mirror image, phi_i - phi_o reversed",)
+    has_jacobian = _jacobian(file)
+    if has_jacobian:
+        with np.errstate(over="ignore"):
+            largest = float(values.max()) * float(ndf.max()) / (4.0 * float(sigma.min()))
+        if not largest < parameters.LARGEST:
+            raise ValueError(
+                f"{path}: values times ndf / (4 sigma) must be below {parameters.LARGEST:g}, "
+                f"got up to {largest:g}"
+            )
     table = AdaptiveTable(
         theta_i=theta_i,
         vndf=np.ascontiguousarray(vndf),
         values=values,
-        ndf=ndf if _jacobian(file) else np.empty((0, 0), np.float32),
+        ndf=ndf if has_jacobian else np.empty((0, 0), np.float32),
         sigma=_middle_row(sigma),
         valid=_valid(file, values.shape[:3]),
     )

@@ -11,6 +11,7 @@ About the lobe center.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -40,7 +41,8 @@ class ABC(BRDF):
     A : float or three floats
         Height of the distribution, at least 0.
     B, C : float
-        Its width and its fall, at least 0; S falls to half where 1 - N.H = (2^(1/C) - 1) / B.
+        Its width and its fall, in [0, 1e12] and [0, 100]; S falls to half where 1 - N.H = (2^(1/C) - 1) / B,
+        at least 1e-6 radians from the normal.
     ior : float
         Index of refraction, at least 1.
     label : str
@@ -59,6 +61,13 @@ class ABC(BRDF):
             object.__setattr__(self, key, number_or_rgb(f"ABC: {key}", getattr(self, key), 0.0, 1e12))
         for key, least, most in (("B", 0.0, 1e12), ("C", 0.0, 100.0), ("ior", 1.0, 1e3)):
             object.__setattr__(self, key, number(f"ABC: {key}", getattr(self, key), least, most))
+        if self.B > 0.0 and self.C > 0.0:
+            half_width = math.sqrt(2.0 * math.expm1(math.log(2.0) / max(self.C, 1e-2)) / self.B)
+            if half_width < parameters.NARROWEST:
+                raise ValueError(
+                    f"ABC: B and C must make a lobe that falls to half at {parameters.NARROWEST:g} radians "
+                    f"or more, got {half_width:.2g}: take a smaller B"
+                )
 
     @classmethod
     def read(cls, path: PathLike, name: str) -> ABC:

@@ -21,8 +21,6 @@ from shrm.brdf.material import BRDF
 from shrm.brdf.value import Method
 from shrm.validation import RGB, number, number_or_rgb
 
-_SHARPEST = parameters.NARROWEST**-2  # lobes are 1 / sqrt(n) wide
-
 
 @dataclass(frozen=True)
 class AshikhminShirley(BRDF):
@@ -45,7 +43,7 @@ class AshikhminShirley(BRDF):
 
     def __post_init__(self) -> None:
         for name in ("nu", "nv"):
-            exponent = number(f"AshikhminShirley: {name}", getattr(self, name), 0.0, _SHARPEST)
+            exponent = number(f"AshikhminShirley: {name}", getattr(self, name), 0.0, parameters.SHARPEST)
             object.__setattr__(self, name, exponent)
         for name in ("Rs", "Rd"):
             reflectance = number_or_rgb(f"AshikhminShirley: {name}", getattr(self, name), 0.0, 1.0)

@@ -18,6 +18,7 @@ from typing import get_args
 import numpy as np
 
 from shrm.arrays import FloatArray
+from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon
 from shrm.brdf.lobe import Center, IsotropicLobe, ZonalLobe
 from shrm.brdf.material import BRDF, Material
@@ -137,7 +138,12 @@ def _checked(f: Function, title: str, wi: FloatArray, wo: FloatArray) -> FloatAr
             f"{title}: must be finite, got {np.sum(~finite)} of {len(wi)} values that are not, "
             f"the first at wi = {_triple(wi[first])}, wo = {_triple(wo[first])}"
         )
-    return values.astype(np.float64, copy=False)
+    values = values.astype(np.float64, copy=False)
+    if np.abs(values).max(initial=0.0) > parameters.LARGEST:
+        raise ValueError(
+            f"{title}: must be at most {parameters.LARGEST:g} per steradian, got {np.abs(values).max():g}"
+        )
+    return values
 
 
 def _channels(f: Function, title: str) -> int:

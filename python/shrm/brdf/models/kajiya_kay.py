@@ -31,7 +31,7 @@ class KajiyaKay(BRDF):
     Parameters
     ----------
     exponent : float
-        s, at least 0.
+        s, in [0, 1e12].
     cone : {"paper", "mirror"}
         Which cone: theta_i = theta_o as printed in [RH02], or theta_i = pi - theta_o.
     """
@@ -40,7 +40,9 @@ class KajiyaKay(BRDF):
     cone: Literal["paper", "mirror"] = "paper"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "exponent", number("KajiyaKay: exponent", self.exponent, 0.0))
+        object.__setattr__(
+            self, "exponent", number("KajiyaKay: exponent", self.exponent, 0.0, parameters.SHARPEST)
+        )
         one_of("KajiyaKay: cone", self.cone, ("paper", "mirror"))
 
     @property

@@ -24,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import FloatArray
+from shrm.brdf import parameters
 from shrm.brdf.half_vector import above_horizon
 from shrm.brdf.lobe import IsotropicLobe, Lobe
 from shrm.brdf.material import BRDF
@@ -43,7 +44,7 @@ class Lafortune(BRDF, Value):
     x, y, z : (K,) or (K, 3) array_like
         Cx, Cy, Cz of K lobes; with three columns, one per channel. x must equal y.
     exponent : (K,) or (K, 3) array_like
-        n, at least 0.
+        n, in [0, 1e12]; max(|x|, |z|)^n at most 1e30.
     diffuse : float or three floats
         Albedo of the diffuse part, in [0, 1].
     label : str
@@ -79,12 +80,16 @@ class Lafortune(BRDF, Value):
                 "Lafortune: x and y differ, so the BRDF depends on the absolute azimuth about the normal "
                 "(it is anisotropic) and cannot be centered on R, N or the lobe: x must equal y"
             )
-        if arrays["exponent"].min() < 0.0:
-            raise ValueError(f"Lafortune: exponent must be at least 0, got {arrays['exponent'].min():g}")
-        largest = np.maximum(np.abs(arrays["x"]), np.abs(arrays["z"]))  # bounds the dot product
-        if np.any(arrays["exponent"] * np.log(np.maximum(largest, 1.0)) > 200.0):
+        low, high = arrays["exponent"].min(), arrays["exponent"].max()
+        if low < 0.0 or high > parameters.SHARPEST:
             raise ValueError(
-                "Lafortune: exponent must keep max(|x|, |z|)^exponent below exp(200), got a larger value"
+                f"Lafortune: exponent must be in [0, {parameters.SHARPEST:g}], got {low:g} to {high:g}"
+            )
+        largest = np.maximum(np.abs(arrays["x"]), np.abs(arrays["z"]))  # bounds the dot product
+        if np.any(arrays["exponent"] * np.log(np.maximum(largest, 1.0)) > np.log(parameters.LARGEST)):
+            raise ValueError(
+                f"Lafortune: exponent must keep max(|x|, |z|)^exponent below {parameters.LARGEST:g}, "
+                "got a larger value"
             )
         for key, value in arrays.items():
             value.setflags(write=False)

@@ -30,7 +30,7 @@ class MillerHeidrich(BRDF):
     albedo : float or three floats
         Of the diffuse lobe, in [0, 1].
     exponent : float
-        s of the Phong lobe, at least 0.
+        s of the Phong lobe, in [0, 1e12].
     f0 : float or three floats
         Reflectance at normal incidence, in [0, 1].
     """
@@ -41,7 +41,9 @@ class MillerHeidrich(BRDF):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "albedo", number_or_rgb("MillerHeidrich: albedo", self.albedo, 0.0, 1.0))
-        object.__setattr__(self, "exponent", number("MillerHeidrich: exponent", self.exponent, 0.0))
+        object.__setattr__(
+            self, "exponent", number("MillerHeidrich: exponent", self.exponent, 0.0, parameters.SHARPEST)
+        )
         object.__setattr__(self, "f0", number_or_rgb("MillerHeidrich: f0", self.f0, 0.0, 1.0))
 
     @property

@@ -25,13 +25,15 @@ class Phong(BRDF):
     Parameters
     ----------
     exponent : float
-        s, at least 0.
+        s, in [0, 1e12].
     """
 
     exponent: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "exponent", number("Phong: exponent", self.exponent, 0.0))
+        object.__setattr__(
+            self, "exponent", number("Phong: exponent", self.exponent, 0.0, parameters.SHARPEST)
+        )
 
     @property
     def lobes(self) -> tuple[RadialLobe]:

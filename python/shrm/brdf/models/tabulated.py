@@ -22,6 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import FloatArray
+from shrm.brdf import parameters
 from shrm.brdf.angle_table import AngleTable, Axes
 from shrm.brdf.half_vector import above_horizon
 from shrm.brdf.lobe import IsotropicLobe
@@ -37,7 +38,7 @@ class Tabulated(BRDF, Value):
     Parameters
     ----------
     values : (n1, n2, n3) or (n1, n2, n3, 3) array_like
-        The BRDF without the cosine, per steradian, at least 0; two samples or more per axis.
+        The BRDF without the cosine, per steradian, in [0, 1e30]; two samples or more per axis.
     axes : {"angles", "half-angle"}
         What the axes are: (theta_i, theta_o, phi) or (theta_h, theta_d, phi_d).
 
@@ -57,8 +58,11 @@ class Tabulated(BRDF, Value):
                 "Tabulated: values must have the shape (n1, n2, n3) or (n1, n2, n3, 3), n >= 2, "
                 f"got {values.shape}"
             )
-        if values.min() < 0.0:
-            raise ValueError(f"Tabulated: values must be at least 0, got {values.min():g}")
+        if values.min() < 0.0 or values.max() > parameters.LARGEST:
+            raise ValueError(
+                f"Tabulated: values must be in [0, {parameters.LARGEST:g}], "
+                f"got {values.min():g} to {values.max():g}"
+            )
         one_of("Tabulated: axes", self.axes, get_args(Axes))
         values.setflags(write=False)
         object.__setattr__(self, "values", values)
