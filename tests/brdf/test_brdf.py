@@ -203,7 +203,7 @@ azimuths = st.one_of(st.sampled_from([0.0, np.pi, np.pi / 2, 1e-12]), st.floats(
 unit = st.floats(0.0, 1.0)
 reflectance = st.one_of(unit, st.tuples(unit, unit, unit))
 widths = st.one_of(st.sampled_from([1e-6, 1e-3, 1.0]), st.floats(1e-6, 1.0))
-exponents = st.one_of(st.sampled_from([0.0, 1e-3, 1e6, 1e300]), st.floats(0.0, 1e4))
+exponents = st.one_of(st.sampled_from([0.0, 1e-3, 1e6, 1e12]), st.floats(0.0, 1e4))
 coefficients = st.floats(-1.5, 1.5)
 materials = st.one_of(
     st.builds(brdf.Lambert, reflectance),
@@ -217,7 +217,7 @@ materials = st.one_of(
         lambda xy, z, e, d: brdf.Lafortune([xy], [xy], [z], [e], d),
         coefficients,
         coefficients,
-        st.floats(0.0, 400.0),
+        st.floats(0.0, 170.0),
         reflectance,
     ),
 )
@@ -351,7 +351,7 @@ def test_float32_and_empty_directions_are_taken():
         (lambda: brdf.Lambert((0.1, 0.2)), TypeError, "albedo must be a number or three"),
         (lambda: brdf.Lambert((0.1, 0.2, -0.1)), ValueError, "albedo"),
         (lambda: brdf.Lambert(None), TypeError, "albedo"),
-        (lambda: brdf.Phong(-1), ValueError, "Phong: exponent must be at least 0, got -1"),
+        (lambda: brdf.Phong(-1), ValueError, r"Phong: exponent must be in \[0, 1e\+12\], got -1"),
         (lambda: brdf.Phong(np.inf), ValueError, "exponent"),
         (lambda: brdf.Microfacet(0), ValueError, "Microfacet: sigma must be at least 1e-06, got 0"),
         (lambda: brdf.Microfacet("rough"), TypeError, "sigma must be a number, got 'rough'"),
@@ -367,13 +367,17 @@ def test_float32_and_empty_directions_are_taken():
         (lambda: brdf.Banks(1), ValueError, "Banks: sharpness"),
         (lambda: brdf.Banks(-0.1), ValueError, "Banks: sharpness"),
         (lambda: brdf.Lafortune([-1], [-0.5], [1], [5]), ValueError, "absolute azimuth"),
-        (lambda: brdf.Lafortune([-1], [-1], [1], [-5]), ValueError, "exponent must be at least 0"),
+        (
+            lambda: brdf.Lafortune([-1], [-1], [1], [-5]),
+            ValueError,
+            r"must be in \[0, 1e\+12\], got -5",
+        ),
         (lambda: brdf.Lafortune([-2], [-2], [1], [500]), ValueError, "exponent"),
         (lambda: brdf.Lafortune([-1], [-1], [1, 1], [5]), ValueError, "must share the shape"),
         (lambda: brdf.Lafortune([-1], [-1], [1], [5], 1.5), ValueError, "diffuse"),
         (lambda: brdf.Tabulated(np.ones((4, 4))), ValueError, "values must have the shape"),
         (lambda: brdf.Tabulated(np.ones((4, 1, 4))), ValueError, "values must have the shape"),
-        (lambda: brdf.Tabulated(-np.ones((4, 4, 4))), ValueError, "values must be at least 0"),
+        (lambda: brdf.Tabulated(-np.ones((4, 4, 4))), ValueError, r"values must be in \[0, 1e\+30\], got -1"),
         (lambda: brdf.Tabulated(np.ones((4, 4, 4)), "polar"), ValueError, "axes must be"),
         (lambda: brdf.RadialLobe("tangent", np.abs), ValueError, "center must be one of"),
         (lambda: brdf.IsotropicLobe("tangent", np.add), ValueError, "center must be one of"),

@@ -26,10 +26,10 @@ from typing import Literal, get_args
 import numpy as np
 
 from shrm.arrays import FloatArray
-from shrm.brdf import BRDF
-from shrm.environment import Environment
+from shrm.brdf import BRDF, require_brdf
+from shrm.environment import Environment, require_environment
 from shrm.frequency.analysis import LobeAnalysis, analyse
-from shrm.validation import fraction, one_of, require_instance, whole_number
+from shrm.validation import fraction, one_of, whole_number
 
 Criterion = Literal["light", "brdf", "minimum", "bound"]
 
@@ -161,9 +161,9 @@ def choose(
         If an argument is of another type or out of its range; if a material of several lobes is judged by
         another criterion than `light`.
     """
-    require_instance("brdf", brdf, BRDF, what="a material of shrm.brdf")
+    require_brdf(brdf)
     if env is not None:
-        require_instance("env", env, Environment)
+        require_environment(env)
     require_tolerance(tolerance)
     one_of("criterion", criterion, get_args(Criterion))
     require_orders(F_max, P_max, names=("F_max", "P_max"))

@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from shrm import _core, sh
 from shrm.arrays import Float16Array, Float32Array, FloatArray
-from shrm.brdf import BRDF
-from shrm.environment import Environment
+from shrm.brdf import BRDF, require_brdf
+from shrm.environment import Environment, require_environment
 from shrm.frequency.analysis import LobeAnalysis
 from shrm.frequency.expansion import expansion_for, windowed
 from shrm.frequency.part import Part
@@ -24,7 +24,7 @@ from shrm.frequency.prefilter import reflection_map
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.frequency.request import Request, Window, centered, method_takes
 from shrm.frequency.rings import empty_halves, require_half_range
-from shrm.validation import require_instance, require_shape
+from shrm.validation import require_shape
 from shrm.validation import rotation as checked_rotation
 
 
@@ -122,7 +122,7 @@ class Prefilter:
         """
         # what has changed, checked
         if env is not None:
-            require_instance("env", env, Environment)
+            require_environment(env)
             require_shape("env", env.pixels, self._env.pixels.shape)
         R = self._rotation if env is None else None
         if rotation is not None:
@@ -172,7 +172,7 @@ class Prefilter:
             raise ValueError(
                 "brdf cannot change beside a residual, which is split off for one: prefilter anew"
             )
-        require_instance("brdf", brdf, BRDF, what="a material of shrm.brdf")
+        require_brdf(brdf)
         material = centered(brdf, self._request.center)
         kinds = [(type(lobe), lobe.center) for lobe in material.lobes]
         if kinds != [(type(lobe), lobe.center) for lobe in self._material.lobes]:

@@ -8,9 +8,9 @@ from dataclasses import KW_ONLY, dataclass
 from functools import wraps
 from typing import Any, Concatenate, Literal, ParamSpec, TypeVar, get_args
 
-from shrm.brdf import BRDF
+from shrm.brdf import BRDF, require_brdf
 from shrm.brdf.lobe import Center
-from shrm.environment import Environment
+from shrm.environment import Environment, require_environment
 from shrm.frequency.orders import (
     F_MAX,
     P_MAX,
@@ -20,7 +20,7 @@ from shrm.frequency.orders import (
     require_tolerance,
 )
 from shrm.lobes.reflection import Layout
-from shrm.validation import flag, one_of, require_instance, whole_number
+from shrm.validation import flag, one_of, whole_number
 
 Window = Literal["hann", "lanczos"]
 
@@ -65,8 +65,8 @@ class Request:
     residual: Literal["auto"] | None = None
 
     def __post_init__(self) -> None:
-        require_instance("env", self.env, Environment)
-        require_instance("brdf", self.brdf, BRDF, what="a material of shrm.brdf")
+        require_environment(self.env)
+        require_brdf(self.brdf)
         one_of("criterion", self.criterion, get_args(Criterion))
         if self.window is not None:
             one_of("window", self.window, get_args(Window))

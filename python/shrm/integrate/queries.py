@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy.typing as npt
 
 from shrm.arrays import Float32Array, FloatArray
-from shrm.brdf import BRDF
+from shrm.brdf import BRDF, require_brdf
 from shrm.brdf.lobe import Center, Lobe
-from shrm.environment import Environment, layouts
+from shrm.environment import Environment, layouts, require_environment
 from shrm.lobes.reflection import Layout
-from shrm.validation import require_instance, unit_vectors
+from shrm.validation import unit_vectors
 
 DEFAULT_SIZE: dict[Layout, int] = {"latlong": 128, "cube": 64}
 """Rows of a lat-long map, and of a cube's face, unless asked for."""
@@ -32,7 +32,7 @@ def pixels_of(env: Environment) -> Float32Array:
     TypeError
         If it is no Environment.
     """
-    require_instance("env", env, Environment)
+    require_environment(env)
     return env.pixels
 
 
@@ -44,7 +44,7 @@ def lobes_of(brdf: BRDF) -> tuple[Lobe, ...]:
     TypeError
         If it is no material.
     """
-    require_instance("brdf", brdf, BRDF, what="a material of shrm.brdf")
+    require_brdf(brdf)
     return brdf.lobes
 
 

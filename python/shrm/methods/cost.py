@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from shrm.brdf import BRDF
-from shrm.environment import Environment
+from shrm.environment import Environment, require_environment
 from shrm.frequency.orders import F_MAX, P_MAX, Orders, ToleranceWarning, choose
 from shrm.integrate.angular import CUTOFF_OF_TOLERANCE
 from shrm.integrate.angular_lobes import half_width, share_visited
@@ -96,8 +96,7 @@ def cheapest(
     >>> shrm.cheapest(shrm.Environment.daylight(size=64), shrm.brdf.Lambert(0.5))
     'frequency'
     """
-    if not isinstance(env, Environment):
-        raise TypeError(f"env must be an Environment, got {type(env).__name__}")
+    require_environment(env)
     one_of("layout", layout, get_args(Layout))
     edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 2, 8192)
     whole_number("views", views, 1)

@@ -9,9 +9,9 @@ from typing import Literal, get_args
 import numpy as np
 
 from shrm.arrays import Float32Array, FloatArray
-from shrm.brdf import BRDF, Material
+from shrm.brdf import BRDF, Material, require_brdf
 from shrm.brdf.lobe import Center, Lobe, refuse_anisotropic
-from shrm.environment import Environment
+from shrm.environment import Environment, require_environment
 from shrm.frequency.prefilter import prefilter as prefilter_in_frequency
 from shrm.frequency.rings import Interpolation, Rings, ring_directions
 from shrm.integrate.angular import prefilter_angular
@@ -21,7 +21,7 @@ from shrm.lobes.center import gamma_table
 from shrm.lobes.directions import across, bisector, normals_of
 from shrm.lobes.reflection import Layout, Reflection
 from shrm.prefiltered.icosahedron import icosahedron
-from shrm.validation import one_of, positive, require_instance, whole_number
+from shrm.validation import one_of, positive, whole_number
 
 Method = Literal["frequency", "angular", "hierarchical"]
 
@@ -80,7 +80,7 @@ class Integration:
     layout: Layout
 
     def __post_init__(self) -> None:
-        require_instance("env", self.env, Environment)
+        require_environment(self.env)
         one_of("method", self.method, get_args(Method))
         one_of("layout", self.layout, get_args(Layout))
         positive("tolerance", self.tolerance, 1.0)
@@ -116,7 +116,7 @@ class Integration:
 
 def require_material(brdf: BRDF) -> None:
     """Raise TypeError if `brdf` is no material."""
-    require_instance("brdf", brdf, BRDF, what="a material of shrm.brdf")
+    require_brdf(brdf)
 
 
 def material_of_one_lobe(

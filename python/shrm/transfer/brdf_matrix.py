@@ -31,7 +31,7 @@ import numpy.typing as npt
 
 from shrm import sh
 from shrm.arrays import FloatArray
-from shrm.brdf import BRDF, Lobe
+from shrm.brdf import BRDF, Lobe, require_brdf
 from shrm.lobes.center import gamma_at, lobe_center
 from shrm.lobes.quadrature import columns, horizon_quadrature, light_and_view
 from shrm.transfer.directional_basis import (
@@ -115,7 +115,7 @@ def project(
     TypeError, ValueError
         If an argument is not as described.
     """
-    _require_material(brdf)
+    require_brdf(brdf)
     m, n = whole_number("m", m, 1, MOST_ORDER), whole_number("n", n, 1, MOST_ORDER)
     one_of("extension", extension, get_args(Extension))
     damping = np.ones(m * m)
@@ -160,7 +160,7 @@ def rows(brdf: BRDF, views: npt.ArrayLike, n: int) -> FloatArray:
     TypeError, ValueError
         If an argument is not as described.
     """
-    _require_material(brdf)
+    require_brdf(brdf)
     at = unit_vectors("views", views)
     if len(at) == 0:
         raise ValueError("views must be at least one, got none")
@@ -381,11 +381,6 @@ def _rotated_about_z(rows: FloatArray, phi: FloatArray) -> FloatArray:
     mirrored = np.arange(len(m)) - 2 * m  # the index of (l, -m)
     # c cos(m (phi' - phi)) + s sin(m (phi' - phi)), with m of either sign
     return np.asarray(np.cos(phi[:, None] * m) * rows - np.sin(phi[:, None] * m) * rows[..., mirrored])
-
-
-def _require_material(brdf: object) -> None:
-    if not isinstance(brdf, BRDF):
-        raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
 
 
 def _warn_of(brdf: BRDF, error: float) -> None:

@@ -66,10 +66,8 @@ class SGD(BRDF):
 
     def __post_init__(self) -> None:
         for key in PARAMETERS:
-            least = _LEAST.get(key, 0.0)
-            object.__setattr__(
-                self, key, number_or_rgb(f"SGD: {key}", getattr(self, key), least, parameters.LARGEST)
-            )
+            least, most = _LEAST.get(key, 0.0), parameters.LARGEST if key in ("rhoD", "rhoS") else 1e40
+            object.__setattr__(self, key, number_or_rgb(f"SGD: {key}", getattr(self, key), least, most))
 
     @classmethod
     def read(cls, path: PathLike, name: str) -> SGD:
@@ -137,12 +135,7 @@ class SGD(BRDF):
 
 
 PARAMETERS = tuple(each.name for each in fields(SGD) if not each.kw_only)
-_LEAST = {
-    "alpha": parameters.NARROWEST,
-    "f0": -parameters.LARGEST,
-    "f1": -parameters.LARGEST,
-    "theta0": -np.pi,
-}
+_LEAST = {"alpha": parameters.NARROWEST, "f0": -1e40, "f1": -1e40, "theta0": -np.pi}
 
 
 def _g1(fit: Mapping[str, float], theta: FloatArray) -> FloatArray:

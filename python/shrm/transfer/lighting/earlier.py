@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
-from shrm.brdf import BRDF, RadialLobe
+from shrm.brdf import BRDF, RadialLobe, require_brdf
 from shrm.frequency.analysis import analyse
 from shrm.transfer.brdf_matrix import rows
 from shrm.transfer.lighting.surface import (
@@ -228,8 +228,7 @@ def zonal_kernel(brdf: BRDF, n: int) -> FloatArray:
     TypeError, ValueError
         If an argument is not as described.
     """
-    if not isinstance(brdf, BRDF):
-        raise TypeError(f"brdf must be a material of shrm.brdf, got {type(brdf).__name__}")
+    require_brdf(brdf)
     n = whole_number("n", n, 1, MOST_ORDER)
     if len(brdf.lobes) != 1 or not isinstance(brdf.lobes[0], RadialLobe):
         raise ValueError(f"brdf must have one lobe, symmetric about its axis, got {brdf.name}")
