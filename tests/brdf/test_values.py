@@ -158,6 +158,7 @@ def test_lobes_scaled_alike_are_equal() -> None:
     [
         (lambda: 1e40 * brdf.GGX(0.3), "factor must be in [0, 1e+30], got 1e+40"),
         (lambda: (1.0, 1e31, 0.0) * brdf.GGX(0.3), "factor must be in [0, 1e+30], got 1e+31"),
+        (lambda: 1e20 * (1e20 * brdf.GGX(0.3)), "factor must be at most 1e+30, with the factors before it"),
         (lambda: brdf.Phong(1e13), "exponent must be in [0, 1e+12], got 1e+13"),
         (lambda: brdf.KajiyaKay(1e13), "exponent must be in [0, 1e+12], got 1e+13"),
         (lambda: brdf.MillerHeidrich(0.5, 1e13), "exponent must be in [0, 1e+12], got 1e+13"),

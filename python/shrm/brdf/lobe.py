@@ -33,6 +33,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from shrm.arrays import FloatArray
+from shrm.brdf import parameters
 from shrm.brdf.value import Value
 from shrm.validation import RGB, one_of
 
@@ -50,11 +51,24 @@ class Scaled(Value):
     function : callable
         Arrays of n directions or angles to (n,) or (n, 3) float64.
     factor : float or three floats
-        What its values are multiplied by.
+        What its values are multiplied by, at most 1e30 in all.
     """
 
     function: Callable[..., FloatArray]
     factor: float | RGB
+
+    def __post_init__(self) -> None:
+        if self.largest > parameters.LARGEST:
+            raise ValueError(
+                f"factor must be at most {parameters.LARGEST:g}, with the factors before it, "
+                f"got {self.largest:g}"
+            )
+
+    @property
+    def largest(self) -> float:
+        """The largest factor of all that the function is multiplied by."""
+        before = self.function.largest if isinstance(self.function, Scaled) else 1.0
+        return before * float(np.max(self.factor))
 
     def __call__(self, *angles: FloatArray) -> FloatArray:
         """Evaluate the function, (n,), or (n, 3) where it or the factor has three channels."""
