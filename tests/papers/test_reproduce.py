@@ -128,7 +128,7 @@ def test_the_command_writes_every_result_and_the_index(
 ) -> None:
     monkeypatch.setattr(shrm_papers, "make", made)
     status, out, err = shrm("reproduce", "--env", sky, "--quick", "-o", tmp_path / "out")
-    assert (status, err) == (0, ""), err
+    assert (status, err) == (0, "")
     assert [line.split()[0] for line in out.splitlines()[:-1]] == list(RESULTS)
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {f"{name}.{kind}" for name in RESULTS for kind in ("csv", "md", "png")} | {"index.md"}

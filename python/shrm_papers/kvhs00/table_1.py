@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,28 +63,16 @@ COLUMNS = (
 )
 
 
-@dataclass(frozen=True)
-class Everywhere:
-    """Phong's lobe plus a little everywhere, so that its support is the sphere.
+def everywhere(exponent: float) -> brdf.Material:
+    """Return Phong's lobe plus a little everywhere, so that its support is the sphere.
 
-    Attributes
-    ----------
-    exponent : float
-    center : str
+    Its profile is (s + 1) / 2 pi (cos^s + `FLOOR`).
     """
 
-    exponent: float
-    center: str = "reflection"
+    def profile(cosine: FloatArray) -> FloatArray:
+        return np.asarray((exponent + 1) / (2 * np.pi) * (np.maximum(cosine, 0) ** exponent + FLOOR))
 
-    def profile(self, cosine: FloatArray) -> FloatArray:
-        """Return (s + 1) / 2 pi (cos^s + `FLOOR`)."""
-        s = self.exponent
-        return np.asarray((s + 1) / (2 * np.pi) * (np.maximum(cosine, 0) ** s + FLOOR))
-
-    @property
-    def lobes(self) -> tuple[Everywhere]:
-        """The only lobe, this one."""
-        return (self,)
+    return brdf.Material((brdf.RadialLobe("reflection", profile),), "phong everywhere")
 
 
 def make(settings: Settings) -> Result:
@@ -143,7 +130,7 @@ def _measure_exponent(light: Environment, s: int, H: int, rounds: int) -> list[f
 
     # Times: brute force, within W, the descent without and with its pyramid
     calls = [
-        integration(Everywhere(min(s, SHARPEST)), 0.0),
+        integration(everywhere(min(s, SHARPEST)), 0.0),
         integration(lobe, WIDTH_LEFT_OUT),
         lambda: descent.at_view(VIEW),
         _with_pyramid(light, lobe, H),
