@@ -18,7 +18,7 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.lobe import Center, IsotropicLobe, Lobe, RadialLobe, ZonalLobe, refuse_anisotropic
 from shrm.integrate import tables as lobe_tables
 from shrm.integrate.angular_lobes import for_all_views
-from shrm.integrate.radial_table import NOTHING, Profile, integral_within, radial_table
+from shrm.integrate.radial_table import NEGLIGIBLE, Profile, integral_within, radial_table
 from shrm.integrate.saved_arrays import SMALLEST, NamedArrays, angles, number, table
 from shrm.integrate.tables import Transfer
 from shrm.lobes.center import gamma_at, gamma_table, lobe_center
@@ -26,14 +26,19 @@ from shrm.lobes.directions import above_horizon, across, bisector, central_direc
 from shrm.lobes.split import SplitFunction
 from shrm.validation import one_of
 
-LEFT_OUT = 0.05
-"""Of a lobe's integral, at most: within the angle that holds the rest nodes are small, and see the lobe."""
-FINEST = 4.0
-"""How small at least, in angles that hold half of the lobe; smaller, as is LEFT_OUT, for lower thresholds."""
-FINEST_ISOTROPIC = 8.0
-"""The same for the angle that holds half of the square, of the narrowest view."""
-FINEST_ZONAL = 8.0
-"""The same for half the width of a ring about C, which nodes see somewhere along it."""
+LARGEST_OUTSIDE = 0.05
+"""Part of a lobe's integral that may lie outside the cap where nodes are always split until they are small.
+
+Outside, a node is split only if the lobe differs between it and its parent, so the cap must hold what samples
+could miss. For lower thresholds less is left outside.
+"""
+RADIAL_NODE = 4.0
+"""Largest node inside that cap, in angles that hold half of a radial lobe; smaller, by the root of the
+threshold, where a threshold is below LARGEST_OUTSIDE."""
+ISOTROPIC_NODE = 8.0
+"""The same in angles that hold half of the square of an isotropic lobe, for its narrowest view."""
+ZONAL_NODE = 8.0
+"""The same in half widths of a zonal lobe's ring about C, which nodes meet somewhere along it."""
 
 
 LEAST_SEGMENTS, LARGEST_SHIFT = 32, 22
@@ -94,7 +99,7 @@ class RadialDescent:
     values, shift, scale, support, integral, width
         Of its `RadialTable`.
     within : (1025, 2) float64
-        Angles, and the part of the integral within each, from 1 - LEFT_OUT to 1.
+        Angles, and the part of the integral within each, from 1 - LARGEST_OUTSIDE to 1.
     """
 
     depends_on_view: ClassVar[bool] = False
@@ -112,10 +117,10 @@ class RadialDescent:
     def of(cls, center: Center, profile: Profile) -> RadialDescent:
         """Tabulate a profile."""
         one_of("center of a radial lobe", center, ("reflection", "normal"))
-        table = radial_table(profile, LEFT_OUT)
+        table = radial_table(profile, LARGEST_OUTSIDE)
         angle, within = integral_within(profile)
         # dense where little is left
-        left_out = LEFT_OUT * (np.arange(1025)[::-1] / 1024) ** 4
+        left_out = LARGEST_OUTSIDE * (np.arange(1025)[::-1] / 1024) ** 4
         found = np.stack([np.interp(1 - left_out, within, angle), 1 - left_out], axis=1)
         return cls(
             center,
@@ -166,7 +171,7 @@ class RadialDescent:
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
     ) -> tuple[Float32Array, float]:
         """Reflected radiance; see `LobeDescent`."""
-        left_out = min(LEFT_OUT, max(threshold, 1e-6))
+        left_out = min(LARGEST_OUTSIDE, max(threshold, 1e-6))
         return _core.hierarchical_radial(
             pyramid=pyramid,
             profile=self.values,
@@ -174,7 +179,7 @@ class RadialDescent:
             scale=self.scale,
             support=self.support,
             outer=float(np.interp(1.0 - left_out, self.within[:, 1], self.within[:, 0])),
-            **_depth(threshold, self.integral, FINEST * self.width),
+            **_depth(threshold, self.integral, RADIAL_NODE * self.width),
             centers=central_directions(self.center, n, v, t),
         )
 
@@ -195,12 +200,12 @@ class ZonalDescent:
     def __init__(self, center: Center, profile: Callable[[FloatArray, FloatArray], FloatArray]) -> None:
         one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
         self.center: Center = center
-        table = lobe_tables.zonal_table(for_all_views(center, profile), LEFT_OUT)
+        table = lobe_tables.zonal_table(for_all_views(center, profile), LARGEST_OUTSIDE)
         self._width, self._integral, self.table_error = table.width, table.integral, table.error
         self._table: dict[str, Any] = {
             "profiles": table.values,
             "bands": table.bands,
-            "supports": table.supports(NOTHING),
+            "supports": table.supports(NEGLIGIBLE),
         }
 
     def radiance(
@@ -211,7 +216,7 @@ class ZonalDescent:
         return _core.hierarchical_zonal(
             pyramid=pyramid,
             **self._table,
-            **_depth(threshold, self._integral, FINEST_ZONAL * self._width),
+            **_depth(threshold, self._integral, ZONAL_NODE * self._width),
             axes=axes,
             theta_o=across(axes, v)[1],
         )
@@ -265,7 +270,7 @@ class IsotropicDescent:
     def of(cls, center: Center, transfer: Transfer) -> IsotropicDescent:
         """Tabulate a lobe."""
         one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
-        table = lobe_tables.isotropic_table(transfer, LEFT_OUT)
+        table = lobe_tables.isotropic_table(transfer, LARGEST_OUTSIDE)
         envelope = table.envelope[None]
         gamma = gamma_table(center, transfer)
         width = lobe_center(transfer)[1]
@@ -284,7 +289,7 @@ class IsotropicDescent:
         if core.part == "smooth":
             core, below = cast(SplitFunction, core.whole), core.height
         envelope, ratio = lobe_tables.channel_tables(core.whole)
-        caps, integral = lobe_tables.caps_and_integral(lobe.transfer, LEFT_OUT)
+        caps, integral = lobe_tables.caps_and_integral(lobe.transfer, LARGEST_OUTSIDE)
         gamma, width = gamma_table(lobe.center, lobe.function), lobe_center(lobe.function)[1]
         return cls(lobe.center, gamma, width, envelope, ratio, caps, integral, core.height, below)
 
@@ -335,7 +340,7 @@ class IsotropicDescent:
             envelope=self.envelope,
             ratio=self.ratio,
             caps=self.caps,
-            **_depth(threshold, self.integral, FINEST_ISOTROPIC * self.width),
+            **_depth(threshold, self.integral, ISOTROPIC_NODE * self.width),
             normals=n,
             views=v,
             above=self.above,
@@ -357,5 +362,5 @@ def _depth(threshold: float, integral: float, finest: float) -> dict[str, Any]:
     return {
         "threshold": threshold,
         "integral": integral,
-        "finest": finest * min(1.0, float(np.sqrt(threshold / LEFT_OUT))),
+        "finest": finest * min(1.0, float(np.sqrt(threshold / LARGEST_OUTSIDE))),
     }

@@ -25,8 +25,8 @@ HELD_SEGMENTS = 32
 HELD = ((8, 4), (4, 8), (16, 2))
 LOOKED_UP = ((8, 16), (8, 64), (16, 256), (16, 1024))
 
-# Relative to its largest value, what is less of a profile is 0.
-NOTHING = 1e-12
+NEGLIGIBLE = 1e-12
+"""Values of a profile below this part of its largest are taken for 0: far below float32's rounding."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def radial_table(profile: Profile, tolerance: float) -> RadialTable:
 
 def _support(of_square: Profile, s: FloatArray, u: FloatArray) -> float:
     """sin^2(theta/2) beyond which a profile is nothing, by bisection; just above 1 if there is none."""
-    least = NOTHING * float(np.abs(u).max())
+    least = NEGLIGIBLE * float(np.abs(u).max())
     there = np.nonzero(np.any(np.abs(u) > least, axis=1))[0]
     k = int(there[-1]) if len(there) else 1
     if k == len(s) - 1:

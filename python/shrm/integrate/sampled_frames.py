@@ -20,12 +20,12 @@ from shrm.lobes.quadrature import leggauss
 CoreLobe = IsotropicLobe | RadialLobe
 
 VIEWS, FRAMES_OF_A_VIEW = 64, 16
-"""Of the frames that an error is measured at."""
-TEXELS, FINEST = 4, 4
-"""A lobe that is wider than so many texels gets more nodes, so many times at most, along each angle; and as
-many times fewer frames."""
-LEFT_OUT = 5e-4
-"""Of a lobe's integral, at its faintest nodes."""
+"""Angles theta_v, and frames at each, that an error is measured at."""
+WIDE_TEXELS, MOST_NODES = 4, 4
+"""A lobe that is wider than WIDE_TEXELS texels gets more nodes in proportion along each angle, MOST_NODES
+times at most, and as many times fewer frames."""
+FAINT_PART = 5e-4
+"""Part of a lobe's integral that its faintest nodes hold, which are not looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class Frames:
         random = np.random.default_rng(2002)
         H, W, _ = pixels.shape
         extent = cap_at(lobe.transfer, float(np.sqrt(0.5)), 0.1)[1] / max(np.pi / H, 2 * np.pi / W)
-        finer = int(np.clip(np.ceil(extent / TEXELS), 1, FINEST))
+        finer = int(np.clip(np.ceil(extent / WIDE_TEXELS), 1, MOST_NODES))
         n = VIEWS * (FRAMES_OF_A_VIEW // finer)
         C, weight = drawn_directions(pixels, n, random)
         theta_v = np.arccos(np.sqrt((np.arange(VIEWS) + 0.5) / VIEWS))
@@ -74,7 +74,7 @@ class Frames:
             height = np.abs(rho).sum(axis=1)
             brightest = np.argsort(-height)
             held = np.cumsum(height[brightest])
-            there = brightest[: np.searchsorted(held, (1 - LEFT_OUT) * held[-1]) + 1]
+            there = brightest[: np.searchsorted(held, (1 - FAINT_PART) * held[-1]) + 1]
             light = _texels_at(pixels, np.einsum("fxk,ik->fix", frames, wi[there]))
             exact[at == k] = np.einsum("fic,ic->fc", light, np.broadcast_to(rho[there], (len(there), 3)))
         return cls(N, V, exact, weight)

@@ -24,8 +24,8 @@ Profile2D = Callable[[FloatArray, FloatArray], FloatArray]
 Transfer = Callable[[FloatArray, FloatArray], FloatArray]
 
 ZONAL_ROWS, ZONAL_INTERVALS = 1025, 1024
-UNRESOLVED = 0.1
-"""Error of a zonal table that is said."""
+UNRESOLVED_ERROR = 0.1
+"""Relative RMS error from which on a zonal table is warned of."""
 ENVELOPE_INTERVALS = 4096
 VIEW_INTERVALS, LIGHT_INTERVALS, AZIMUTH_INTERVALS = 96, 128, 128
 
@@ -104,7 +104,7 @@ def zonal_table(profile: Profile2D, tolerance: float) -> ZonalTable:
     weight = (np.sin(go) * gs).ravel()[:, None]
     error = relative_rms(linear, exact, weight)
     values = np.ascontiguousarray(_padded(u.transpose(0, 2, 1), axis=2).astype(np.float32))
-    if error > UNRESOLVED:
+    if error > UNRESOLVED_ERROR:
         warnings.warn(
             f"a lobe about its center is narrower than what its table resolves: it is off by {error:.0%}",
             stacklevel=2,
@@ -239,8 +239,8 @@ def channel_tables(transfer: Transfer) -> tuple[Float32Array, Float32Array]:
     return envelope, _ratio(transfer, envelopes)
 
 
-NOTHING = 4e-12
-"""Of its maximum: an envelope below is nothing; its floor is a fourth of that."""
+ENVELOPE_NEGLIGIBLE = 4e-12
+"""Values of an envelope below this part of its largest are taken for 0: four times the floor it is given."""
 
 
 def _ratio(transfer: Transfer, envelopes: FloatArray) -> Float32Array:
@@ -251,7 +251,7 @@ def _ratio(transfer: Transfer, envelopes: FloatArray) -> Float32Array:
         view = view_at(cos_v, len(light))
         enveloped = np.stack([_envelope_at(envelope, light, view) for envelope in envelopes], axis=1)
         # Where the envelope is nothing, as where measurements have none, so is the lobe.
-        there = enveloped > NOTHING * envelopes.max(axis=1)
+        there = enveloped > ENVELOPE_NEGLIGIBLE * envelopes.max(axis=1)
         value = channels_last(transfer(light, view))
         plane = np.where(there, value / enveloped, 0.0)
         planes.append(plane.T.reshape(-1, LIGHT_INTERVALS + 1, AZIMUTH_INTERVALS + 1))

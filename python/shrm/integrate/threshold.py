@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
-from shrm.integrate.descent_lobes import LEFT_OUT, LobeDescent
+from shrm.integrate.descent_lobes import LARGEST_OUTSIDE, LobeDescent
 from shrm.integrate.queries import map_directions
 from shrm.lobes.directions import local_frames
 from shrm.lobes.reflection import Layout
@@ -24,13 +24,13 @@ SAMPLED_BLOCKS, SAMPLED_RADIAL = 64, 256
 EXACT_PART = 1e-2
 """The threshold of what counts as exact, in parts of the tolerance, or of the threshold that is judged."""
 FINE_THRESHOLD = 1e-3
-"""Where maps of this threshold differ from those of the coarse one, LEFT_OUT, blocks are likely drawn."""
+"""Where its maps differ from those of the coarse threshold, LARGEST_OUTSIDE, blocks are likely drawn."""
 LARGEST_THRESHOLD, SMALLEST_THRESHOLD = 10.0, 1e-9
 """Between which a threshold is searched, in parts of the mean reflected light."""
 FEWEST_ROWS, MOST_ROWS = 64, 256
 """Rows of the sampled maps."""
 SAMPLED_SHARE = 0.8
-"""The error of the sample is at most this part of the error of all, as a rule: 64 blocks leave some 20%."""
+"""The part of a tolerance that the error of the sample may take: a sample may miss some of the error."""
 
 Frames = tuple[FloatArray, FloatArray, FloatArray]
 """Normals, views and tangents, each (n, 3)."""
@@ -81,7 +81,8 @@ class DescentSample:
 
         # Blocks by what two thresholds say of their errors, by their energy, and evenly.
         fine, coarse = (
-            lobe.radiance(pyramid, *frames, at)[0].astype(np.float64) for at in (FINE_THRESHOLD, LEFT_OUT)
+            lobe.radiance(pyramid, *frames, at)[0].astype(np.float64)
+            for at in (FINE_THRESHOLD, LARGEST_OUTSIDE)
         )
         energy, difference = of_blocks(fine), of_blocks(fine - coarse)
         total = energy.sum()

@@ -36,6 +36,11 @@ class Reflection(ABC):
 
     @property
     @abstractmethod
+    def error(self) -> float:
+        """The predicted error: relative RMS of the reflected radiance, unless the class says otherwise."""
+
+    @property
+    @abstractmethod
     def centers(self) -> tuple[Center, ...]:
         """The center of each lobe: "lobe", "reflection", "normal" or "tangent"."""
 
