@@ -92,14 +92,14 @@ def test_takes_views() -> None:
 
 @pytest.mark.parametrize("shape", [(4, 8), (4, 8, 4), (1, 8, 3), (4, 3, 3), (0, 0, 3), (1, 1, 3)])
 def test_refuses_shapes(shape: tuple[int, ...]) -> None:
-    with pytest.raises(ValueError, match=r"pixels must have shape \(H, W, 3\).*but have"):
+    with pytest.raises(ValueError, match=r"pixels must have the shape \(H, W, 3\).*got"):
         Environment(np.zeros(shape))
 
 
 def test_refuses_types() -> None:
-    with pytest.raises(TypeError, match="floating-point numbers, but is uint8"):
+    with pytest.raises(TypeError, match="floating-point numbers, got uint8"):
         Environment(np.zeros((4, 8, 3), np.uint8))  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="floating-point numbers, but is list"):
+    with pytest.raises(TypeError, match="floating-point numbers, got list"):
         Environment([[1.0]])  # type: ignore[arg-type]
 
 
@@ -161,7 +161,7 @@ def test_six_faces_by_folder_and_by_pattern(tmp_path: Path, names: str) -> None:
 def test_faces_must_be_squares_of_one_size(tmp_path: Path) -> None:
     for k, name in enumerate(["px", "nx", "py", "ny", "pz", "nz"]):
         image_io.write_image(tmp_path / f"{name}.exr", np.ones((4, 4 + (k == 3), 3), np.float32))
-    with pytest.raises(ImageError, match="squares of one size, but are 4 x 4, 4 x 4, 4 x 4, 5 x 4"):
+    with pytest.raises(ImageError, match="squares of one size, got 4 x 4, 4 x 4, 4 x 4, 5 x 4"):
         Environment.read(tmp_path)
 
 

@@ -242,9 +242,9 @@ def test_nothing_is_left_of_a_failed_write(tmp_path: Path, pixels: Pixels) -> No
 def test_writing_refuses(tmp_path: Path, pixels: Pixels) -> None:
     with pytest.raises(ImageError, match=r"cannot write \.bmp; use one of"):
         image_io.write_image(tmp_path / "a.bmp", pixels)
-    with pytest.raises(TypeError, match=r"must be uint8 for \.png, but are float32"):
+    with pytest.raises(TypeError, match=r"must be uint8 for \.png, got float32"):
         image_io.write_image(tmp_path / "a.png", pixels)
-    with pytest.raises(ValueError, match=r"\(H, W, 3\), but have \(6, 8\)"):
+    with pytest.raises(ValueError, match=r"\(H, W, 3\), got \(6, 8\)"):
         image_io.write_image(tmp_path / "a.exr", pixels[..., 0])
     with pytest.raises(ImageError, match="NaN or infinite"):
         image_io.write_image(tmp_path / "a.exr", pixels * np.float32(np.inf))
@@ -252,7 +252,7 @@ def test_writing_refuses(tmp_path: Path, pixels: Pixels) -> None:
         image_io.write_image(tmp_path / "a.hdr", -pixels)
     with pytest.raises(ValueError, match="unique names"):
         image_io.write_parts(tmp_path / "a.exr", [])
-    with pytest.raises(ValueError, match="needs 3 unique channel names"):
+    with pytest.raises(ValueError, match="must have 3 unique channel names"):
         image_io.write_parts(tmp_path / "a.exr", [Part("a", pixels, "RG")])
 
 

@@ -56,12 +56,12 @@ class Environment:
     def __init__(self, pixels: RealArray) -> None:
         if not isinstance(pixels, np.ndarray) or not np.issubdtype(pixels.dtype, np.floating):
             kind = pixels.dtype if isinstance(pixels, np.ndarray) else type(pixels).__name__
-            raise TypeError(f"pixels must be an array of floating-point numbers, but is {kind}")
+            raise TypeError(f"pixels must be an array of floating-point numbers, got {kind}")
         if isinstance(pixels, np.ma.MaskedArray):
-            raise TypeError("pixels must be a plain array, but is masked: fill what is masked first")
+            raise TypeError("pixels must be a plain array, got a masked one: fill what is masked first")
         if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.shape[0] < 2 or pixels.shape[1] < 4:
             raise ValueError(
-                f"pixels must have shape (H, W, 3) with H >= 2 and W >= 4, but have {pixels.shape}"
+                f"pixels must have the shape (H, W, 3) with H >= 2 and W >= 4, got {pixels.shape}"
             )
         with np.errstate(over="ignore"):
             values = np.ascontiguousarray(pixels, dtype=np.float32)
@@ -396,7 +396,7 @@ def _read_faces(path: Path, repair: bool, max_bytes: int) -> Float32Array:
     shapes = {face.shape for face in faces}
     if len(shapes) != 1 or faces[0].shape[0] != faces[0].shape[1]:
         sizes = ", ".join(f"{face.shape[1]} x {face.shape[0]}" for face in faces)
-        raise image_io.ImageError(f"{path}: the six faces must be squares of one size, but are {sizes}")
+        raise image_io.ImageError(f"{path}: the six faces must be squares of one size, got {sizes}")
     return np.concatenate(faces)
 
 

@@ -71,16 +71,16 @@ def write_parts(path: PathLike, parts: Sequence[Part]) -> None:
     specs = []
     for part in parts:
         if part.pixels.dtype != np.float32:
-            raise TypeError(f"pixels of part {part.name!r} must be float32, but are {part.pixels.dtype}")
+            raise TypeError(f"pixels of part {part.name!r} must be float32, got {part.pixels.dtype}")
         if part.pixels.ndim != 3 or 0 in part.pixels.shape:
             raise ValueError(
-                f"pixels of part {part.name!r} must have shape (H, W, C), not {part.pixels.shape}"
+                f"pixels of part {part.name!r} must have the shape (H, W, C), got {part.pixels.shape}"
             )
         height, width, count = part.pixels.shape
         names = list(part.channels)
         if len(names) != count or len(set(names)) != count or any("," in n or not n for n in names):
             raise ValueError(
-                f"part {part.name!r} needs {count} unique channel names without commas, not {names}"
+                f"part {part.name!r} must have {count} unique channel names without commas, got {names}"
             )
         spec = oiio.ImageSpec(width, height, count, oiio.FLOAT)
         spec.channelnames = tuple(names)

@@ -43,9 +43,9 @@ def write_image(path: PathLike, pixels: npt.NDArray[Any], *, metadata: Metadata 
         raise ImageError(f"{path}: cannot write {suffix or 'a file without extension'}; use one of {known}")
     wanted: type[np.generic] = np.uint8 if eight_bit else np.float32
     if pixels.dtype != wanted:
-        raise TypeError(f"pixels must be {wanted.__name__} for {suffix}, but are {pixels.dtype}")
+        raise TypeError(f"pixels must be {wanted.__name__} for {suffix}, got {pixels.dtype}")
     if pixels.ndim != 3 or pixels.shape[2] not in (3, 4) or 0 in pixels.shape:
-        raise ValueError(f"pixels must have shape (H, W, 4) or (H, W, 3), but have {pixels.shape}")
+        raise ValueError(f"pixels must have the shape (H, W, 4) or (H, W, 3), got {pixels.shape}")
     if not eight_bit:
         finite(path, pixels, repair=False)
     if suffix == ".hdr" and np.any(pixels < 0):
