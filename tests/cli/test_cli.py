@@ -233,6 +233,7 @@ def test_render_takes_tangents(shrm: Command, sky: Path, tmp_path: Path, gpu: li
     assert np.abs(pictures["uv"] - pictures["axis"]).max() > 0.01 * brightest
 
 
+@pytest.mark.slow
 def test_a_real_map_end_to_end(shrm: Command, tmp_path: Path) -> None:
     source = require("env/debevec_grace_cross.hdr")
     path = tmp_path / "grace.exr"

@@ -278,6 +278,7 @@ def test_rotation_by_a_column_is_a_shift() -> None:
     assert result == pytest.approx(np.roll(pixels, -5, axis=1), abs=1e-4)
 
 
+@pytest.mark.slow
 def test_the_number_of_threads_changes_nothing() -> None:
     script = (
         "import numpy, hashlib; from shrm.environment import layouts;"

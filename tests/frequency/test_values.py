@@ -92,6 +92,7 @@ def test_each_says_in_one_line_what_it_is(env):
         assert len(text) < 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("material", "options"),
     [

@@ -123,6 +123,7 @@ def queries():
     return N[seen], T[seen]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::shrm.ToleranceWarning")  # two orders are few: what they hold is read
 @pytest.mark.parametrize(("layout", "size"), [("latlong", 32), ("cube", 20)])
 @pytest.mark.parametrize(("method", "name"), CASES)

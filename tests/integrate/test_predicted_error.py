@@ -31,6 +31,7 @@ def measured(reflection, light, material, subsamples):
     return oracles.relative_rms(reflection.radiance(normals, views), exact, weight[:, None])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("light", [SUN, NOISE], ids=["sun", "noise"])
 @pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS)
 @pytest.mark.parametrize("tolerance", [0.1, 0.02])
@@ -42,6 +43,7 @@ def test_integration_is_as_exact_as_it_says(light, material, tolerance):
     assert integral.table_error < 2e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("light", [SUN, NOISE], ids=["sun", "noise"])
 @pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS)
 @pytest.mark.parametrize(

@@ -41,6 +41,7 @@ def test_the_frequency_side_is_at_least_as_accurate(result: Result) -> None:
     assert np.all((angular > 0.01) & (angular < 0.2))
 
 
+@pytest.mark.slow
 def test_every_cell_is_there_and_the_papers_are_beside(result: Result) -> None:
     assert len(result.rows) == 2
     assert len(set(result.columns)) == len(result.columns)

@@ -27,6 +27,9 @@ from shrm_papers.lk03.methods import ROTATIONS
 from shrm_papers.lk03.subject import Subject, n, subject_of
 from shrm_papers.result import Result
 
+# Whoever runs first makes what all look at: the table takes a quarter of a minute.
+pytestmark = pytest.mark.slow
+
 MODULES = (lk_table_1, lk_figure_2, lk_figure_3, lk_figure_4, lk_figure_5)
 SETTINGS = Settings(Environment.daylight(size=32), "daylight", quick=True)
 SHADOWED, NOT = "yes", "no"
@@ -52,7 +55,6 @@ def column(result: Result, name: str) -> np.ndarray:
     return np.array([row[list(result.columns).index(name)] for row in result.rows])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("module", MODULES, ids=lambda module: module.NAME)
 def test_every_row_is_whole_and_there_is_a_picture(module, tmp_path):
     result = made(module)
@@ -237,7 +239,6 @@ def test_compression_is_worse_with_gloss_and_shadows():
         assert last["glossy", shadows] < last["matt", shadows]
 
 
-@pytest.mark.slow
 def test_unshadowed_components_are_those_of_frames_of_two_angles():
     made = shadowing().precomputed(brdf.AshikhminShirley(40, 10), M=4, path=Path(inner=n), K=82, half=False)
     snr = made.report["compression"]["unshadowed"]["SNR of 1 to K"]

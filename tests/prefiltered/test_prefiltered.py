@@ -147,6 +147,7 @@ MAKERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("layout", ["latlong", "cube"])
 @pytest.mark.parametrize("make", MAKERS.values(), ids=MAKERS)
 def test_files_and_pickles_bring_them_back(env, tmp_path, make, layout):
@@ -164,6 +165,7 @@ def test_files_and_pickles_bring_them_back(env, tmp_path, make, layout):
     assert len(repr(saved)) < 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("layout", ["latlong", "cube"])
 @pytest.mark.parametrize("make", MAKERS.values(), ids=MAKERS)
 def test_maps_at_a_view_are_looked_up_at_the_central_direction(env, make, layout):

@@ -27,6 +27,7 @@ def bilinear(samples: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.einsum("vj,vi,jick->vck", hat[1], hat[0], samples.astype(np.float64), optimize=True)
 
 
+@pytest.mark.slow
 @SEEN
 @pytest.mark.parametrize("channels", [1, 3])
 @pytest.mark.parametrize("way", ["stored rotation", "prerotated", "no shadows", "halves"])

@@ -132,6 +132,7 @@ def test_another_material_takes_the_same_rays(tmp_path, counts):
         np.testing.assert_array_equal(array, kept[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [

@@ -219,6 +219,7 @@ def test_integration_agrees_with_the_maps(opened: Opened) -> None:
     assert np.array_equal(hands.app.screen.picture().radiance, drawn.radiance)
 
 
+@pytest.mark.slow
 def test_techniques_are_compared(opened: Opened) -> None:
     hands = opened(WHOLE_PANEL, materials=("ggx(alpha=0.4,f0=0.04)",), orders=(6, 4), viewer="near")
     choices = [choice for choice, _, _ in TECHNIQUES]
