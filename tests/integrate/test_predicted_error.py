@@ -1,6 +1,7 @@
 """What the integrators predict of their error, against what exact sums measure."""
 
 import pickle
+from functools import cache
 
 import numpy as np
 import pytest
@@ -24,11 +25,17 @@ MARGIN = 1.6
 and an error has long tails."""
 
 
-def measured(reflection, light, material, subsamples):
-    """Relative RMS error over frames of every orientation, drawn near the light and weighted."""
+@cache
+def exact(light, material, subsamples):
+    """Frames of every orientation, drawn near the light: normals, views, weights, and their exact radiance."""
     normals, views, weight = oracles.important_views(light.pixels, 500, seed=11)
-    exact = integrate(light, material, normals, views, subsamples=subsamples)
-    return oracles.relative_rms(reflection.radiance(normals, views), exact, weight[:, None])
+    return normals, views, weight, integrate(light, material, normals, views, subsamples=subsamples)
+
+
+def measured(reflection, light, material, subsamples):
+    """Relative RMS error over frames of every orientation, weighted."""
+    normals, views, weight, radiance = exact(light, material, subsamples)
+    return oracles.relative_rms(reflection.radiance(normals, views), radiance, weight[:, None])
 
 
 @pytest.mark.slow

@@ -139,6 +139,13 @@ def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, techni
     assert compared(renderer, turned) < OF_LAYERS[viewer] + lookup_error(renderer.context, 0.1)
 
 
+@cache
+def small_maps(material: brdf.BRDF, technique: str) -> Prefiltered:
+    return prefilter_explicit(
+        light("daylight"), material, technique=technique, slices=9, lobes=2, size=32, layout="cube"
+    )
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("viewer", ["near", "distant"])
 @pytest.mark.parametrize(
@@ -155,9 +162,7 @@ def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, techni
     ids=lambda value: str(getattr(value, "name", value)),
 )
 def test_prefiltered_maps_of_all_classes_are_those_of_the_cpu(renderer, material, technique, viewer):
-    maps = prefilter_explicit(
-        light("daylight"), material, technique=technique, slices=9, lobes=2, size=32, layout="cube"
-    )
+    maps = small_maps(material, technique)
     scene = Scene([Object(Sphere(), maps), Object(torus(), maps)], CAMERA, None, viewer)
     assert compared(renderer, scene) < OF_LAYERS[viewer] + lookup_error(renderer.context, 0.1)
 
