@@ -27,7 +27,7 @@ and an error has long tails."""
 
 @cache
 def exact(light, material, subsamples):
-    """Frames of every orientation, drawn near the light: normals, views, weights, and their exact radiance."""
+    """Frames of every orientation, drawn near the light: normals, views, weights, exact radiance."""
     normals, views, weight = oracles.important_views(light.pixels, 500, seed=11)
     return normals, views, weight, integrate(light, material, normals, views, subsamples=subsamples)
 
