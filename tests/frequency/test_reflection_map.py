@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from shrm import _core, brdf, prefilter, sh
+from shrm import Prefilter, _core, brdf, prefilter, sh
 from shrm.environment import Environment, layouts
 from shrm.prefiltered.explicit import three_dimensional_texture
 from support import oracles
@@ -393,6 +393,16 @@ def test_prefilter_wants_an_environment_and_a_material():
         prefilter(np.ones((8, 16, 3)), brdf.Lambert(1.0))
     with pytest.raises(TypeError, match=r"brdf must be a material of shrm\.brdf, got str"):
         prefilter(Environment(np.ones((8, 16, 3), np.float32)), "lambert")
+
+
+def test_an_argument_that_there_is_not_is_refused_in_the_name_of_what_was_called():
+    env = Environment(np.ones((8, 16, 3), np.float32))
+    with pytest.raises(TypeError, match=r"^prefilter\(\) got an unexpected keyword argument 'method'"):
+        prefilter(env, brdf.Lambert(1.0), method="angular")
+    with pytest.raises(
+        TypeError, match=r"^Prefilter.__init__\(\) got an unexpected keyword"
+    ):
+        Prefilter(env, brdf.Lambert(1.0), views=2)
 
 
 def test_cubes_have_the_faces_of_the_strip_layout():

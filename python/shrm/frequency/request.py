@@ -132,6 +132,7 @@ def takes(
     def decorated(function: Callable[[Request], Result]) -> Callable[Arguments, Result]:
         @wraps(function)
         def with_arguments(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+            _require_arguments(function.__name__, request, args, kwargs)
             return function(request(*args, **kwargs))
 
         _show_arguments(with_arguments, request)
@@ -150,12 +151,23 @@ def method_takes(
     ) -> Callable[Concatenate[Self, Arguments], Result]:
         @wraps(method)
         def with_arguments(self: Self, /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+            _require_arguments(method.__qualname__, request, args, kwargs)
             return method(self, request(*args, **kwargs))
 
         _show_arguments(with_arguments, request, inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY))
         return with_arguments
 
     return decorated
+
+
+def _require_arguments(
+    name: str, request: Callable[..., Request], args: tuple[Any, ...], kwargs: dict[str, Any]
+) -> None:
+    """Refuse arguments that a request has not, by the name of what was called."""
+    try:
+        inspect.signature(request).bind(*args, **kwargs)
+    except TypeError as fault:
+        raise TypeError(f"{name}() {fault}") from None
 
 
 def _show_arguments(function: Any, request: Callable[..., Request], *first: inspect.Parameter) -> None:
