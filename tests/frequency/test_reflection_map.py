@@ -399,9 +399,7 @@ def test_an_argument_that_there_is_not_is_refused_in_the_name_of_what_was_called
     env = Environment(np.ones((8, 16, 3), np.float32))
     with pytest.raises(TypeError, match=r"^prefilter\(\) got an unexpected keyword argument 'method'"):
         prefilter(env, brdf.Lambert(1.0), method="angular")
-    with pytest.raises(
-        TypeError, match=r"^Prefilter.__init__\(\) got an unexpected keyword"
-    ):
+    with pytest.raises(TypeError, match=r"^Prefilter.__init__\(\) got an unexpected keyword"):
         Prefilter(env, brdf.Lambert(1.0), views=2)
 
 
