@@ -212,7 +212,9 @@ def test_both_ways_to_opengl_draw_the_same_pixels(contexts):
     rm = prefilter(env, MATERIALS[0], orders=(12, 3), size=32, layout="cube")
     for viewer in ("near", "distant"):
         scene = Scene([Object(Sphere(), rm), Object(torus(), rm)], CAMERA, env, viewer)
-        pictures = [Renderer(SIZE, context=context).render(scene) for context in contexts.values()]
+        pictures = [
+            Renderer(SIZE, context=context).render(scene) for context in (contexts["egl"], contexts["osmesa"])
+        ]
         np.testing.assert_array_equal(pictures[0].radiance, pictures[1].radiance)
         np.testing.assert_array_equal(pictures[0].coverage, pictures[1].coverage)
 
@@ -310,7 +312,7 @@ def test_textures_multiply_the_reflected_light(renderer, glossy):
 
 
 def test_samples_are_averaged_where_the_cpu_has_them(contexts, glossy):
-    renderer = Renderer((40, 30), samples=3, context=next(iter(contexts.values())))
+    renderer = Renderer((40, 30), samples=3, context=contexts["egl"])
     scene = Scene([Object(Sphere(), glossy)], CAMERA, Environment.daylight(size=64))
     found = renderer.render(scene)
     expected = render(
@@ -368,7 +370,7 @@ def test_lat_long_maps_are_made_anew_as_cubes(renderer, glossy):
 
 def test_nothing_piles_up_on_the_gpu(contexts):
     env = Environment.daylight(size=32)
-    renderer = Renderer(16, context=next(iter(contexts.values())))
+    renderer = Renderer(16, context=contexts["egl"])
     maps = [
         prefilter(env, brdf.GGX(a), orders=(4, p), size=8, layout="cube") for a, p in ((0.3, 1), (0.5, 2))
     ]
@@ -382,7 +384,7 @@ def test_nothing_piles_up_on_the_gpu(contexts):
 
 
 def test_what_cannot_be_drawn_is_said(contexts, glossy):
-    renderer = Renderer(8, context=next(iter(contexts.values())))
+    renderer = Renderer(8, context=contexts["egl"])
     env = Environment.daylight(size=32)
     with pytest.raises(TypeError, match=r"to be drawn by the GPU, got Angular"):
         renderer.render(Scene([Object(Sphere(), prefilter_angular(env, brdf.Phong(4)))], CAMERA))
