@@ -38,6 +38,12 @@ ROOMS = [
     "cli",
 ]
 
+# The same of the folders of a room.
+INNER_ROOMS = {
+    "transfer": ["rays", "matrices", "compression", "lighting"],
+    "viewer": ["gpu", "window"],
+}
+
 # The integrators judge frequency space, so they may use nothing of it.
 UNKNOWN_TO_THE_JUDGES = {"sh", "frequency", "methods"}
 
@@ -112,6 +118,21 @@ def test_arrows_run_one_way(module: str) -> None:
     if room_of(module) == "integrate":
         assert not {room_of(name) for name in own} & UNKNOWN_TO_THE_JUDGES
     assert "shrm" not in imported_modules(FILES[module]), f"{module} imports the package's front door"
+
+
+@pytest.mark.parametrize("room", INNER_ROOMS)
+def test_arrows_run_one_way_inside_a_room(room: str) -> None:
+    order = [f"shrm.{room}.{folder}" for folder in INNER_ROOMS[room]]
+    assert {module.rpartition(".")[0] for module in MODULES if room_of(module) == room} == {
+        "shrm",
+        f"shrm.{room}",
+        *order,
+    }
+    for place, folder in enumerate(order):
+        later = tuple(f"{name}." for name in order[place + 1 :])
+        for module in (name for name in MODULES if f"{name}.".startswith(f"{folder}.")):
+            imported = [name for name in imported_modules(FILES[module]) if f"{name}.".startswith(later)]
+            assert not later or not imported, f"{module} imports {imported}, which come after it"
 
 
 @pytest.mark.xfail(strict=True, reason="three files and their classes import each other")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shrm import Environment, ReflectionMap, brdf, prefilter
 from shrm.render import Camera, Object, Sphere
-from shrm.viewer import Context, ContextError, Renderer, Scene
+from shrm.viewer import Context, ContextError, HardwarePrefilter, Renderer, Scene
 from shrm.viewer.gpu.context import ROUTES, Route, leave
 from support import opengl
 from support.window_driver import SIZE, Opened, glfw, same
@@ -175,3 +175,20 @@ def test_a_renderer_is_released_at_the_end_of_a_block(scene: Scene) -> None:
         renderer.render(scene)
     with pytest.raises(ContextError, match="released"):
         renderer.render(scene)
+
+
+def test_reprs_are_one_line(scene: Scene, made: Make) -> None:
+    context = made("egl")
+    with (
+        Renderer((8, 16), context=context) as renderer,
+        HardwarePrefilter(brdf.Phong(8), size=16, context=context) as hardware,
+    ):
+        for value, start in (
+            (context, "Context('egl', "),
+            (renderer, "Renderer(16 x 8, "),
+            (hardware, "HardwarePrefilter(phong(exponent=8), size=16, filter='exact', "),
+            (scene, "Scene(objects: 1, viewer='near', background)"),
+        ):
+            assert repr(value).startswith(start)
+            assert "\n" not in repr(value)
+            assert len(repr(value)) < 160

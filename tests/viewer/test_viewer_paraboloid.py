@@ -161,9 +161,7 @@ def test_nothing_piles_up_on_the_gpu(renderer):
 def test_a_prefilter_of_another_context_is_refused(renderer):
     with HardwarePrefilter(brdf.Phong(8), size=16) as stranger:
         stranger.update(Environment.daylight(size=16))
-        with pytest.raises(
-            ValueError, match=r"must have the renderer's context .* context=renderer\.context"
-        ):
+        with pytest.raises(ValueError, match=r"context must be the renderer's .* context=renderer\.context"):
             renderer.render(Scene([Object(Sphere(), stranger)], CAMERA))
     with (
         HardwarePrefilter(brdf.Phong(8), size=16, context=renderer.context) as empty,

@@ -51,5 +51,5 @@ def test_kernels_and_taps_sum_to_the_integral_of_the_lobe(material):
 
 
 def test_a_lobe_wider_than_a_face_has_no_filter():
-    with pytest.raises(ValueError, match=r"not fallen to 0\.1 of its maximum at 90 degrees .* exact filter"):
+    with pytest.raises(ValueError, match=r"fall to 0\.1 of its maximum within 90 degrees .* exact filter"):
         texture_filters(profile(brdf.Phong(0)), 128, 0.1, 7)

@@ -95,4 +95,4 @@ class Stage(ABC):
         """The renderer on the GPU, made when the first picture is drawn."""
         from shrm.viewer import Renderer
 
-        return Renderer((self.width, self.height), samples=self.options.samples, map_size=GPU_MAP_SIZE)
+        return Renderer((self.height, self.width), samples=self.options.samples, map_size=GPU_MAP_SIZE)

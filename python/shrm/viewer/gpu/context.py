@@ -50,9 +50,13 @@ class Context:
     window: Any = None
     handle: int | None = None
 
+    def __repr__(self) -> str:
+        driver = "released" if self.released else str(self.gl.info["GL_RENDERER"])
+        return f"Context({self.route!r}, {driver!r})"
+
     @property
     def released(self) -> bool:
-        """Whether it is gone."""
+        """Whether it was released."""
         return isinstance(self.gl.mglo, moderngl.InvalidObject)
 
     def activate(self) -> None:

@@ -156,7 +156,7 @@ def bounds(shape: Shape) -> tuple[FloatArray, float]:
     if isinstance(shape, Sphere):
         return np.asarray(shape.center, np.float64), shape.radius
     if not isinstance(shape, Mesh):
-        raise TypeError(f"a shape must be a Mesh or a Sphere to be drawn, got {type(shape).__name__}")
+        raise TypeError(f"shape must be a Mesh or a Sphere to be drawn, got {type(shape).__name__}")
     return shape.ball
 
 

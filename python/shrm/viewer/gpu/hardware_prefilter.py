@@ -26,7 +26,7 @@ from shrm.brdf.material import BRDF
 from shrm.environment import Environment
 from shrm.lobes.factored import FactoredLobe, as_factored
 from shrm.prefiltered.paraboloid import ParaboloidMap, ParaboloidMaps
-from shrm.validation import number, one_of, whole_number
+from shrm.validation import flag, one_of, positive, require_instance, whole_number
 from shrm.validation import rotation as require_rotation
 from shrm.viewer.gpu.context import Context, ContextError, offscreen
 from shrm.viewer.gpu.environment_texture import largest_texture
@@ -77,6 +77,8 @@ class HardwarePrefilter:
 
     Attributes
     ----------
+    brdf : str
+        The material's name.
     size, border : int
     filter : {"exact", "two-pass", "one-pass"}
     texture_filters : tuple of (TextureFilter, TextureFilter)
@@ -104,6 +106,7 @@ class HardwarePrefilter:
         context: Context | None = None,
     ) -> None:
         lobes = _factored_lobes(brdf)
+        self.brdf = brdf.name if isinstance(brdf, BRDF) else "radial lobe"
         self.size = whole_number("size", size, 4, LARGEST_SIZE)
         self.border = (
             max(1, self.size // 8) if border is None else whole_number("border", border, 1, self.size // 2)
@@ -111,18 +114,16 @@ class HardwarePrefilter:
         one_of("filter", filter, FILTERS)
         self.filter: Filter = filter
         count = whole_number("taps", taps, 1, MOST_TAPS)
-        if not 0.0 < number("clamp", clamp) < 1.0:
-            raise ValueError(f"clamp must be above 0 and below 1, got {clamp!r}")
+        positive("clamp", clamp, below=1.0)
         whole_number("largest_kernel", largest_kernel, 3, LARGEST_KERNEL)
         self.texture_filters: tuple[tuple[TextureFilter, TextureFilter], ...] = ()
         if filter != "exact":
             self.texture_filters = tuple(
                 texture_filters(part.lobe.profile, size, clamp, largest_kernel) for part in lobes
             )
-        if not isinstance(half, bool):
-            raise TypeError(f"half must be True or False, got {half!r}")
-        if context is not None and not isinstance(context, Context):
-            raise TypeError(f"context must be a Context, got {type(context).__name__}")
+        flag("half", half)
+        if context is not None:
+            require_instance("context", context, Context)
         self._owns_context = context is None
         self._released, self._filled = False, False
         self.context = offscreen() if context is None else context
@@ -138,7 +139,7 @@ class HardwarePrefilter:
         """Make what is needed on the GPU."""
         gl, side = self.context.gl, self.size + 2 * self.border
         if side > largest_texture(gl):
-            raise ValueError(f"faces of {side} texels cannot be drawn: at most {largest_texture(gl)} here")
+            raise ValueError(f"size + 2 border must be at most {largest_texture(gl)} here, got {side}")
         self._environment = ParaboloidEnvironment(gl, self.size, self.border, texels)
         self._lobes: list[FilteredLobe] = []
         for k, lobe in enumerate(lobes):
@@ -245,6 +246,9 @@ class HardwarePrefilter:
         if self._owns_context:
             self.context.release()
 
+    def __repr__(self) -> str:
+        return f"HardwarePrefilter({self.brdf}, size={self.size}, filter={self.filter!r}, {self.context!r})"
+
     def __enter__(self) -> HardwarePrefilter:
         return self
 
@@ -255,12 +259,12 @@ class HardwarePrefilter:
 def _require_readable(texture: moderngl.Texture | moderngl.TextureCube) -> None:
     """Refuse what a shader would read as something else."""
     if isinstance(texture.mglo, moderngl.InvalidObject):
-        raise ValueError("source must be a texture that was not released")
+        raise ValueError("source must be a texture, got one that was released")
     what = f"got one of {texture.components} components of {texture.dtype}"
     if texture.components < 3 or texture.dtype[0] not in "fn":
         raise ValueError(f"source must be a texture of three or four components of floats, {what}")
     if isinstance(texture, moderngl.Texture) and (texture.samples or texture.depth):
-        raise ValueError("source must be a texture of one sample and of colors, not of depths")
+        raise ValueError("source must be a texture of one sample and of colors, got several or depths")
 
 
 def _factored_lobes(brdf: Any) -> tuple[FactoredLobe, ...]:
@@ -270,7 +274,7 @@ def _factored_lobes(brdf: Any) -> tuple[FactoredLobe, ...]:
         raise TypeError(f"brdf must be a material of shrm.brdf or a RadialLobe, got {type(brdf).__name__}")
     if any(lobe.center == "tangent" for lobe in brdf.lobes):
         raise ValueError(
-            f"{brdf.name} has a lobe about the tangent, whose map has three dimensions: HardwarePrefilter "
-            "takes lobes about the reflection or the normal, others shrm.prefiltered.Anisotropic"
+            f"brdf must have lobes about the reflection or the normal, got {brdf.name} with one about the "
+            "tangent, whose map has three dimensions: use shrm.prefiltered.Anisotropic"
         )
     return tuple(as_factored(lobe) for lobe in brdf.lobes)

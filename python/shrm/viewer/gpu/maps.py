@@ -41,8 +41,8 @@ def require_cube(maps: Rings) -> None:
     """Raise ValueError unless maps are on a cube."""
     if maps.layout != "cube":
         raise ValueError(
-            "lat-long maps without coefficients cannot be drawn by the GPU: make cube maps "
-            "(shrm prefilter --layout cube)"
+            "layout must be cube to be drawn by the GPU, got lat-long maps without coefficients: "
+            "use layout='cube'"
         )
 
 
@@ -137,8 +137,8 @@ class CubeLobe(Lobe):
                 most = self._gl.info["GL_MAX_ARRAY_TEXTURE_LAYERS"]
                 if 6 * maps > most:
                     raise ValueError(
-                        f"{maps} maps for a near viewer are {6 * maps} layers, and this OpenGL has {most} at "
-                        "most: take a smaller P, or a distant viewer"
+                        f"maps for a near viewer must be at most {most // 6} here, got {maps}: "
+                        "use a smaller P, or a distant viewer"
                     )
                 self._layered = self._gl.texture_array((side, side, 6 * maps), 3, dtype="f4")
                 self._layered.filter = (moderngl.LINEAR, moderngl.LINEAR)

@@ -77,8 +77,8 @@ def texture_filters(
     alpha = clamp_angle(profile, clamp)
     if alpha >= math.pi / 2:
         raise ValueError(
-            f"a lobe that has not fallen to {clamp:g} of its maximum at 90 degrees does not fit into a face: "
-            "raise clamp, or use the exact filter"
+            f"lobe must fall to {clamp:g} of its maximum within 90 degrees to fit into a face, got one that "
+            "does not: raise clamp, or use the exact filter"
         )
     small, large = math.tan(alpha / 2), 1.0 - math.tan(math.pi / 4 - alpha / 2)
     return _filter("small", small, size, largest_kernel), _filter("large", large, size, largest_kernel)

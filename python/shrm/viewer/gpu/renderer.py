@@ -50,8 +50,8 @@ class Renderer:
 
     Parameters
     ----------
-    size : int or (int, int)
-        Width and height of the pictures, or one for both; at most 16384.
+    shape : int or (H, W)
+        Rows and columns of the pictures, or one number for both; at most 16384.
     samples : int
         samples x samples points to a pixel, averaged, at the places where `shrm.render.render` has them.
     map_size : int
@@ -59,6 +59,11 @@ class Renderer:
     context : Context, optional
         Where to draw, and the caller's to release; by default one of its own without a display
         (`shrm.viewer.gpu.context.offscreen`).
+
+    Attributes
+    ----------
+    width, height, samples, map_size : int
+    context : Context
 
     Raises
     ------
@@ -70,15 +75,15 @@ class Renderer:
 
     def __init__(
         self,
-        size: int | tuple[int, int],
+        shape: int | tuple[int, int],
         *,
         samples: int = 1,
         map_size: int = 64,
         context: Context | None = None,
     ) -> None:
-        width, height = (size, size) if isinstance(size, int) else size
-        self.width = whole_number("width", width, 1, LARGEST)
-        self.height = whole_number("height", height, 1, LARGEST)
+        rows, columns = shape if isinstance(shape, tuple) else (shape, shape)
+        self.height = whole_number("shape", rows, 1, LARGEST)
+        self.width = whole_number("shape", columns, 1, LARGEST)
         self.samples = whole_number("samples", samples, 1, 64)
         self.map_size = whole_number("map_size", map_size, 1, 4096)
         self._owns_context = context is None
@@ -151,6 +156,9 @@ class Renderer:
             held.release()
         if self._owns_context:
             self.context.release()
+
+    def __repr__(self) -> str:
+        return f"Renderer({self.width} x {self.height}, samples={self.samples}, {self.context!r})"
 
     def __enter__(self) -> Renderer:
         return self
@@ -225,9 +233,8 @@ class Renderer:
             material = Prefiltered((material,))
         if not isinstance(material, Drawn):
             raise TypeError(
-                "a material must be a shrm.ReflectionMap, of shrm.prefiltered, a VertexRadiance, or one of "
-                "shrm.viewer's HardwarePrefilter and ParaboloidMaps to be drawn by the GPU, got "
-                f"{type(material).__name__}"
+                "material must be a ReflectionMap, one of shrm.prefiltered, a VertexRadiance, a "
+                f"HardwarePrefilter or ParaboloidMaps to be drawn by the GPU, got {type(material).__name__}"
             )
         if isinstance(material, ReflectionMap):
             require_no_residual(material, "the GPU")
@@ -306,8 +313,8 @@ class Renderer:
             return [get(("paraboloid", index, k), found, upload) for k, found in enumerate(material.maps)]
         if material.context is not self.context:
             raise ValueError(
-                "a HardwarePrefilter must have the renderer's context to be drawn by it: make it with "
-                "context=renderer.context"
+                "context must be the renderer's for a HardwarePrefilter to be drawn by it, got another: "
+                "make it with context=renderer.context"
             )
         return [
             get(
@@ -330,7 +337,7 @@ def _texture(gl: moderngl.Context, pixels: Float32Array) -> moderngl.Texture:
     H, W = pixels.shape[:2]
     if max(H, W) > largest_texture(gl):
         raise ValueError(
-            f"a texture of {W} x {H} texels cannot be drawn: at most {largest_texture(gl)} to a side here"
+            f"texture must have at most {largest_texture(gl)} texels to a side here, got {W} x {H}"
         )
     texture = gl.texture((W, H), 3, np.ascontiguousarray(pixels[::-1], np.float32), dtype="f4")
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)

@@ -39,3 +39,7 @@ class Scene:
     background: Lighting | None = None
     viewer: Viewer = "near"
     rotation: FloatArray = field(default_factory=lambda: np.eye(3))
+
+    def __repr__(self) -> str:
+        background = "" if self.background is None else ", background"
+        return f"Scene(objects: {len(self.objects)}, viewer={self.viewer!r}{background})"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import glfw
 
-from shrm.files import one_line
+from shrm.files import PathLike, one_line
 from shrm.render.tonemap import automatic_exposure
 from shrm.viewer.gpu.renderer import Renderer
 from shrm.viewer.window.choices import Action
@@ -72,8 +72,8 @@ class Application:
         height: int = 900,
         *,
         visible: bool = True,
-        folder: str | Path = ".",
-        state_file: str | Path | None = None,
+        folder: PathLike = ".",
+        state_file: PathLike | None = None,
     ) -> None:
         self.state = state
         self.folder = Path(folder)
@@ -362,7 +362,7 @@ class Application:
         self.state = replace(self.state, automatic=True)
         self._expose = True
 
-    def _open(self, path: str | Path) -> None:
+    def _open(self, path: PathLike) -> None:
         try:
             state = State.load(path)
         except Faults as fault:

@@ -11,6 +11,7 @@ import numpy as np
 from shrm.arrays import FloatArray
 from shrm.render.camera import Camera, Vector
 from shrm.render.placement import about_vertical
+from shrm.validation import number
 
 DEGREES_PER_PIXEL = 0.4
 DEGREES_PER_SECOND = 30.0  # of light that turns by itself
@@ -51,8 +52,7 @@ class Orbit:
             ("distance", NEAREST, FARTHEST),
             ("fov", 1e-3, 179.0),
         ):
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} must be from {low:g} to {high:g}, got {getattr(self, name)!r}")
+            number(name, getattr(self, name), low, high)
 
     @property
     def camera(self) -> Camera:

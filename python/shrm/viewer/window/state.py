@@ -11,6 +11,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from shrm.arrays import FloatArray
+from shrm.files import PathLike
 from shrm.frequency.orders import require_orders, require_tolerance
 from shrm.frequency.request import Window
 from shrm.render.tangents import Tangents
@@ -130,7 +131,7 @@ class State:
             check(name, getattr(self, name))
         whole_number("selected", self.selected, 0, len(self.materials) - 1)
         if self.filter is not None and self.technique != FILTERED:
-            raise ValueError(f"filter must be None unless the technique is {FILTERED}, got {self.filter!r}")
+            raise ValueError(f"technique must be {FILTERED} with a filter, got {self.technique!r}")
 
     @property
     def R(self) -> FloatArray:
@@ -147,7 +148,7 @@ class State:
         materials = (*self.materials[:index], text, *self.materials[index + 1 :])
         return replace(self, materials=materials)
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: PathLike) -> None:
         """Write a JSON file.
 
         Raises
@@ -159,7 +160,7 @@ class State:
         Path(path).write_text(text + "\n", encoding="utf-8")
 
     @classmethod
-    def load(cls, path: str | Path) -> State:
+    def load(cls, path: PathLike) -> State:
         """Read what `save` wrote.
 
         Raises
@@ -176,10 +177,10 @@ class State:
             except (ValueError, RecursionError):
                 values = None
             if not isinstance(values, dict) or values.pop("format", None) != FORMAT:
-                raise ValueError("it is no saved window")
+                raise ValueError("not a saved window")
             unknown = sorted(values.keys() - {item.name for item in fields(cls)})
             if unknown:
-                raise ValueError(f"{unknown[0]!r} is unknown")
+                raise ValueError(f"unknown field {unknown[0]!r}")
             return cls(**_from_json(values))
         except (ValueError, TypeError, KeyError, OverflowError) as fault:
             raise ValueError(f"{path}: {fault}") from None
@@ -199,7 +200,7 @@ def _choice(literal: Any) -> Check:
 
 def _texts(name: str, value: Any) -> None:
     if not isinstance(value, tuple) or not value or not all(isinstance(text, str) for text in value):
-        raise ValueError(f"{name} must be one text or more, got {value!r}")
+        raise ValueError(f"{name} must be one string or more, got {value!r}")
 
 
 def _orders(name: str, value: Any) -> None:
