@@ -11,7 +11,7 @@ from shrm import brdf
 from shrm.cli.console import interrupts_afterwards
 from shrm.image_io import write_image
 from shrm.render import Mesh
-from shrm.transfer import Path, RadianceTransfer, precompute
+from shrm.transfer import RadianceTransfer, Route, precompute
 
 Command = Callable[..., tuple[int, str, str]]
 FEW = ("--directions", "128", "--tents", "5", "--route", "direct")
@@ -48,7 +48,7 @@ def test_the_command_makes_what_the_library_makes(
         brdf.AshikhminShirley(40, 10),
         directions=128,
         M=5,
-        path=Path(),
+        route=Route(),
         bounces=2,
         variants=["unshadowed", "shadowed", "interreflected"],
     )
@@ -108,7 +108,7 @@ def test_a_computation_that_was_stopped_goes_on(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setitem(precompute.__globals__, "_compressed", stop)
+        patched.setattr("shrm.transfer.precomputation.Precomputation.compressed", stop)
         assert shrm(*command)[0] == 130
     assert not out.exists()
     assert work.is_dir()

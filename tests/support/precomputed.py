@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from shrm.transfer.lighting import Tents
-from shrm.transfer.matrices.product import Path
+from shrm.transfer.matrices.product import Route
 from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
 
@@ -16,7 +16,7 @@ ALL = ("unshadowed", "shadowed", "interreflected")
 
 def transferred(mesh: Mesh, material: Any, **options: Any) -> RadianceTransfer:
     """Something small, all of it fixed and kept, unless options say otherwise."""
-    small = {"n": 3, "M": 5, "path": Path(), "directions": 256, "K": 8, "half": False, "matrices": True}
+    small = {"n": 3, "M": 5, "route": Route(), "directions": 256, "K": 8, "half": False, "matrices": True}
     return precompute(Surface(*mesh), material, **{**small, **options})
 
 

@@ -6,8 +6,9 @@ import numpy as np
 from shrm import brdf
 from shrm.transfer.brdf_matrix import project_on_tents
 from shrm.transfer.directional_basis import DirectionalBasis
-from shrm.transfer.object import RadianceTransfer, Variant
+from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.tangent_frames import band_rotations, vertex_frames
+from shrm.transfer.variant import Variant
 
 N, M = 4, 5
 COMPONENTS = 60

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from shrm import brdf
 from shrm.transfer.lighting import Tents
-from shrm.transfer.matrices.product import Path, published
+from shrm.transfer.matrices.product import Route, published
 from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
 from support import oracles
@@ -113,7 +113,7 @@ def test_diffuse_objects_with_shadows_have_40_dB(name):
 def test_the_published_way_loses_most_of_it():
     """Transferred radiance of order 5: 11.5 to 14.4 dB on meshes such as these."""
     mesh = read("bunny")
-    transfer = transferred(mesh, brdf.AshikhminShirley(40, 40), M=11, path=published(5))
+    transfer = transferred(mesh, brdf.AshikhminShirley(40, 40), M=11, route=published(5))
     assert 10 < measured(mesh, transfer, oracles.ashikhmin_shirley(40, 40)) < 16
 
 
@@ -140,7 +140,7 @@ def test_a_bounce_is_that_of_rays_that_go_on():
         albedo=0.8,
         n=4,
         M=9,
-        path=Path(),
+        route=Route(),
     )
     vertices = some_vertices(mesh, 16)
     by_rays = oracles.ashikhmin_shirley(**glossy)

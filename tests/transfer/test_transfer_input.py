@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 from shrm import brdf
-from shrm.transfer.matrices.product import Path
+from shrm.transfer.matrices.product import Route
 from shrm.transfer.precompute import precompute
 from support.precomputed import ALL, matrices, radiance, transferred
 from support.transfer_meshes import Mesh, Surface, bumpy
@@ -23,7 +23,7 @@ def with_value(array: np.ndarray, value: float) -> np.ndarray:
 
 def refused(message: str, mesh: Surface, material: Any = TWO[0], **options: Any) -> None:
     steps: list[str] = []
-    small = {"n": 2, "M": 3, "path": Path(), "directions": 64, "K": 2}
+    small = {"n": 2, "M": 3, "route": Route(), "directions": 64, "K": 2}
     with pytest.raises((TypeError, ValueError), match=f"^{message}[^\n]*$"):
         precompute(mesh, material, progress=lambda *step: steps.append(str(step)), **{**small, **options})
     assert not steps
@@ -66,6 +66,10 @@ def test_broken_meshes_are_refused(change, message):
     refused(message, Surface(**{"vertices": VERTICES, "faces": FACES, "vertex_normals": NORMALS, **change}))
 
 
+def test_what_is_no_mesh_is_refused():
+    refused("mesh must have vertices, faces and vertex_normals, got tuple", MESH)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -102,7 +106,7 @@ def test_broken_meshes_are_refused(change, message):
         ),
         ({"material": [TWO[0], 3]}, "brdf must be a material of shrm.brdf, or several"),
         ({"material": TWO}, "shares must be given for 2 materials"),
-        ({"path": "direct"}, "path must be a shrm.transfer.Path, got 'direct'"),
+        ({"route": "direct"}, "route must be a shrm.transfer.Route, got str"),
         ({"variants": 5}, "variants must be names, got 5"),
         ({"half": 1}, "half must be True or False, got 1"),
         ({"matrices": "yes"}, "matrices must be True or False, got 'yes'"),
@@ -127,9 +131,9 @@ def test_arguments_out_of_range_are_refused(options, message):
         ({"inner": 3, "m": 4, "extension": "odd"}, "extension must be one of least-squares, even, zero"),
     ],
 )
-def test_paths_out_of_range_are_refused(orders, message):
+def test_routes_out_of_range_are_refused(orders, message):
     with pytest.raises((TypeError, ValueError), match=f"^{message}[^\n]*$"):
-        Path(**orders)
+        Route(**orders)
 
 
 @pytest.mark.parametrize(
@@ -156,7 +160,7 @@ def test_too_many_components_are_refused_before_rays_are_cast():
             TWO[0],
             n=2,
             M=3,
-            path=Path(),
+            route=Route(),
             directions=64,
             K=37,
             progress=lambda *s: steps.append(s[0]),
@@ -191,12 +195,12 @@ def broken() -> tuple[Mesh, slice]:
     return (np.r_[VERTICES, extra], faces, normals), slice(0, k)
 
 
-@pytest.mark.parametrize("path", [Path(), Path(3)], ids=str)
-def test_broken_meshes_are_computed_all_the_same(path):
+@pytest.mark.parametrize("route", [Route(), Route(3)], ids=str)
+def test_broken_meshes_are_computed_all_the_same(route):
     """Faces without area and faces twice block what is blocked anyway."""
     mesh, good = broken()
-    held = transferred(mesh, TWO[1], variants=ALL, path=path, albedo=0.5)
-    clean = transferred(MESH, TWO[1], variants=ALL, path=path, albedo=0.5)
+    held = transferred(mesh, TWO[1], variants=ALL, route=route, albedo=0.5)
+    clean = transferred(MESH, TWO[1], variants=ALL, route=route, albedo=0.5)
     for name in ALL:
         A, expected = matrices(held, name), matrices(clean, name)
         assert np.isfinite(A).all()

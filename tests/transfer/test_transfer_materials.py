@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from shrm import brdf
 from shrm.transfer.directional_basis import DirectionalBasis
-from shrm.transfer.matrices.product import Path
+from shrm.transfer.matrices.product import Route
 from support import oracles
 from support.directions import sphere
 from support.precomputed import ALL, BUMPY, matrices, transferred
 from support.transfer_meshes import ball, grid, together
 from support.transfer_oracle import BruteForce, snr
 
-PATHS = [Path(), Path(4, m=6)]
+ROUTES = [Route(), Route(4, m=6)]
 GREY = (brdf.Lambert(0.5), brdf.GGX(0.4))
 COLORED = brdf.GGX(0.5, f0=(1.0, 0.7, 0.3))
 ROUNDING = 1e-5
@@ -30,9 +30,9 @@ def shares(seed: int, count: int = 2) -> np.ndarray:
 # ---- Shares. The bounces are those of one albedo: otherwise they are not linear in the shares.
 
 
-@pytest.mark.parametrize("path", PATHS, ids=str)
-def test_one_material_for_each_vertex_is_that_materials(path):
-    options = {"variants": ALL, "path": path, "albedo": 0.5}
+@pytest.mark.parametrize("route", ROUTES, ids=str)
+def test_one_material_for_each_vertex_is_that_materials(route):
+    options = {"variants": ALL, "route": route, "albedo": 0.5}
     which = np.random.default_rng(1).integers(0, 2, len(BUMPY[0]))
     held = transferred(BUMPY, GREY, shares=np.eye(2)[which], **options)
     singles = [transferred(BUMPY, one, **options) for one in GREY]
@@ -107,11 +107,11 @@ def test_glossy_materials_have_an_albedo_too():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", PATHS, ids=str)
+@pytest.mark.parametrize("route", ROUTES, ids=str)
 @pytest.mark.parametrize("material", [brdf.GGX(0.4), COLORED], ids=["grey", "color"])
-def test_colors_are_channels_by_themselves(path, material):
+def test_colors_are_channels_by_themselves(route, material):
     albedo = (0.9, 0.5, 0.1)
-    options = {"variants": ALL, "path": path, "bounces": 2}
+    options = {"variants": ALL, "route": route, "bounces": 2}
     held = transferred(BUMPY, material, albedo=albedo, **options)
     assert held.channels == 3
     for c in range(3):
@@ -136,7 +136,7 @@ def about_the_tangent(transfer: oracles.Transfer) -> oracles.Transfer:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", PATHS, ids=str)
+@pytest.mark.parametrize("route", ROUTES, ids=str)
 @pytest.mark.parametrize(
     ("material", "transfer"),
     [
@@ -146,11 +146,11 @@ def about_the_tangent(transfer: oracles.Transfer) -> oracles.Transfer:
     ],
     ids=["reflection", "anisotropic", "tangent"],
 )
-def test_every_kind_of_lobe_is_shadowed_as_by_rays(path, material, transfer):
+def test_every_kind_of_lobe_is_shadowed_as_by_rays(route, material, transfer):
     mesh = together(grid(6, [-2, -2, -1.1], [4, 0, 0], [0, 4, 0]), ball(1))
     tangent, views = np.array([1.0, 0.2, 0.3]), sphere(48, 6)
     tangents = np.tile(tangent, (len(mesh[0]), 1))
-    held = transferred(mesh, material, M=7, path=path, directions=1024, tangents=tangents)
+    held = transferred(mesh, material, M=7, route=route, directions=1024, tangents=tangents)
     A, rays = matrices(held), BruteForce(*mesh, rays=8192)
     expected, found = [], []
     for p in range(0, len(mesh[0]), 8):

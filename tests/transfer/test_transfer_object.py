@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shrm.transfer.file import TransferFileError, load
-from shrm.transfer.object import RadianceTransfer, Variant
+from shrm.transfer.file import TransferFileError
+from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.variant import Variant
 from support.transfer_contents import SHAPE, K, M, N, Q, V, random, transfer
 
 
@@ -199,13 +200,13 @@ def test_places_that_cannot_be_written_are_told(tmp_path):
 def test_a_file_can_be_written_over_while_it_is_mapped(tmp_path):
     path = tmp_path / "a.shrt"
     transfer().save(path)
-    found = load(path)
+    found = RadianceTransfer.load(path)
     before = found.variants["interreflected"].matrices.copy()
     transfer(variants={"shadowed": Variant(random(4, V, K), random(5, K, *SHAPE))}).save(path)
     np.testing.assert_array_equal(found.variants["interreflected"].matrices, before)
-    assert list(load(path).variants) == ["shadowed"]
+    assert list(RadianceTransfer.load(path).variants) == ["shadowed"]
     found.save(path)
-    np.testing.assert_array_equal(load(path).variants["interreflected"].matrices, before)
+    np.testing.assert_array_equal(RadianceTransfer.load(path).variants["interreflected"].matrices, before)
 
 
 # ---- Fewer tents

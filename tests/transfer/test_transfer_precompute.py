@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+import trimesh
 from shrm import brdf, prefilter, sh
 from shrm.environment import Environment
 from shrm.render import Mesh
-from shrm.transfer.matrices.product import Path
+from shrm.transfer.matrices.product import Route
 from shrm.transfer.precompute import precompute
 from support import oracles
 from support.data import require
@@ -32,13 +33,13 @@ def random_light(n: int, seed: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ALL)
-@pytest.mark.parametrize("path", [Path(), Path(3), Path(5, m=8, extension="even")], ids=str)
-def test_a_convex_white_object_under_white_light_is_white(name, path):
+@pytest.mark.parametrize("route", [Route(), Route(3), Route(5, m=8, extension="even")], ids=str)
+def test_a_convex_white_object_under_white_light_is_white(name, route):
     """Lambert does not depend on the view: tents hold it, and an even extension with even m + l too.
 
     What is left is the rows' quadrature, 1e-4 of them, and float32.
     """
-    held = transferred(ball(2), brdf.Lambert(1.0), variants=(name,), path=path)
+    held = transferred(ball(2), brdf.Lambert(1.0), variants=(name,), route=route)
     for view in sphere(5, 1):
         np.testing.assert_allclose(radiance(held, name, white(3), view), 1, atol=2e-4)
 
@@ -198,11 +199,11 @@ def energy(A: np.ndarray) -> float:
     return float(np.einsum("ptcj,ts,pscj->", A, G, A, optimize=True))
 
 
-@pytest.mark.parametrize("path", [Path(), Path(4)], ids=str)
+@pytest.mark.parametrize("route", [Route(), Route(4)], ids=str)
 @pytest.mark.parametrize("material", [GLOSSY, brdf.GGX(0.4)], ids=["color", "grey"])
 @pytest.mark.parametrize("options", [{"K": 12}, {"half": True, "accuracy": 20.0, "K": None}, {"clusters": 5}])
-def test_the_snr_of_components_is_that_of_all_matrices(path, material, options):
-    held = transferred(BUMPY, material, variants=ALL, M=4, path=path, **options)
+def test_the_snr_of_components_is_that_of_all_matrices(route, material, options):
+    held = transferred(BUMPY, material, variants=ALL, M=4, route=route, **options)
     assert list(held.report["compression"]) == list(held.variants)
     for name, report in held.report["compression"].items():
         A, K = matrices(held, name), held.variants[name].K
@@ -231,6 +232,23 @@ def test_what_is_asked_for_is_there():
     held.require_mesh(*mesh[:2])
 
 
+@pytest.mark.parametrize("textured", [False, True])
+def test_a_mesh_of_trimesh_is_taken_as_it_is(textured):
+    vertices, faces, _ = bumpy(2, subdivisions=1)
+    uv = np.random.default_rng(3).uniform(size=(len(vertices), 2)) if textured else None
+    visual = trimesh.visual.TextureVisuals(uv=uv) if textured else None
+    mesh = trimesh.Trimesh(vertices, faces, process=False, visual=visual)
+    options = {"n": 2, "M": 3, "route": Route(), "directions": 64, "K": 4}
+    found = precompute(mesh, brdf.Lambert(0.5), **options)
+    same = Surface(np.array(mesh.vertices), np.array(mesh.faces), np.array(mesh.vertex_normals), uv)
+    expected = precompute(same, brdf.Lambert(0.5), **options)
+    for name in ("vertices", "faces", "frames", "uv"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+    for name, variant in expected.variants.items():
+        np.testing.assert_array_equal(found.variants[name].weights, variant.weights)
+        np.testing.assert_array_equal(found.variants[name].components, variant.components)
+
+
 def test_variants_come_in_their_order_whatever_is_asked():
     held = transferred(bumpy(2), brdf.Lambert(0.5), n=1, M=2, K=1, variants=ALL[::-1])
     assert tuple(held.variants) == ALL
@@ -239,7 +257,7 @@ def test_variants_come_in_their_order_whatever_is_asked():
 def test_seams_of_textures_do_not_show():
     """Vertices at one place, with one normal, have the matrices of one; but for rays that run along edges."""
     mesh = Mesh.read(require("mesh/spot.obj"))
-    options = {"n": 2, "M": 2, "path": Path(), "directions": 512, "K": 4, "matrices": True}
+    options = {"n": 2, "M": 2, "route": Route(), "directions": 512, "K": 4, "matrices": True}
     held = precompute(mesh, brdf.Lambert(0.8), variants=("interreflected",), **options)
     np.testing.assert_array_equal(held.uv, mesh.uv.astype(np.float32))
     _, first, place = np.unique(mesh.vertices, axis=0, return_index=True, return_inverse=True)

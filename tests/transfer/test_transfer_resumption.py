@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from shrm import brdf
 from shrm.transfer.matrices import matrices as matrices_module
-from shrm.transfer.matrices.product import Path as Way
+from shrm.transfer.matrices.product import Route
 from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
 from shrm.transfer.rays.rays import Occluders
@@ -22,7 +22,7 @@ SMALL = {"n": 2, "M": 3, "directions": 64, "K": 4, "variants": ALL, "matrices": 
 
 
 def transferred(mesh: Mesh = MESH, material: Any = None, **options: Any) -> RadianceTransfer:
-    small = {**SMALL, "path": Way(), **options}
+    small = {**SMALL, "route": Route(), **options}
     return precompute(Surface(*mesh), brdf.Lambert(0.5) if material is None else material, **small)
 
 
@@ -79,14 +79,14 @@ class Stops:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", [Way(), Way(3)], ids=str)
-def test_stopped_at_every_step_and_continued_it_is_the_same(tmp_path, counts, path):
-    whole, steps = transferred(path=path), dict(counts)
+@pytest.mark.parametrize("route", [Route(), Route(3)], ids=str)
+def test_stopped_at_every_step_and_continued_it_is_the_same(tmp_path, counts, route):
+    whole, steps = transferred(route=route), dict(counts)
     counts.clear()
     stops, times = Stops(), 0
     while True:
         try:
-            held = transferred(path=path, work=tmp_path, progress=stops)
+            held = transferred(route=route, work=tmp_path, progress=stops)
             break
         except KeyboardInterrupt:
             times += 1
@@ -138,7 +138,7 @@ def test_another_material_takes_the_same_rays(tmp_path, counts):
     [
         {"M": 4},
         {"n": 3},
-        {"path": Way(3)},
+        {"route": Route(3)},
         {"albedo": 0.9},
         {"bounces": 1},
         {"variants": ("shadowed",)},
@@ -147,10 +147,10 @@ def test_another_material_takes_the_same_rays(tmp_path, counts):
     ],
     ids=lambda options: " ".join(options),
 )
-@pytest.mark.parametrize("path", [Way(), Way(3, m=4)], ids=str)
-def test_other_options_in_the_same_folder_are_not_mistaken(tmp_path, path, options):
-    transferred(path=path, work=tmp_path)
-    options = {"path": path, **options}
+@pytest.mark.parametrize("route", [Route(), Route(3, m=4)], ids=str)
+def test_other_options_in_the_same_folder_are_not_mistaken(tmp_path, route, options):
+    transferred(route=route, work=tmp_path)
+    options = {"route": route, **options}
     same(transferred(work=tmp_path, **options), transferred(**options))
 
 
@@ -160,10 +160,10 @@ def but_for_the_first(normals: np.ndarray) -> np.ndarray:
     return other
 
 
-@pytest.mark.parametrize("path", [Way(), Way(3, m=4)], ids=str)
-def test_other_normals_in_the_same_folder_are_not_mistaken(tmp_path, path):
+@pytest.mark.parametrize("route", [Route(), Route(3, m=4)], ids=str)
+def test_other_normals_in_the_same_folder_are_not_mistaken(tmp_path, route):
     vertices, faces, normals = MESH
-    options = {"variants": ("unshadowed",), "path": path}
+    options = {"variants": ("unshadowed",), "route": route}
     transferred(work=tmp_path, **options)
     other = (vertices, faces, but_for_the_first(normals))
     same(transferred(other, work=tmp_path, **options), transferred(other, **options))
@@ -186,11 +186,11 @@ def test_another_mesh_is_refused_and_the_first_is_kept(tmp_path, counts):
     assert not counts.total()
 
 
-@pytest.mark.parametrize("path", [Way(), Way(3)], ids=str)
-def test_another_mesh_after_its_rays_are_removed_is_not_mistaken(tmp_path, path):
+@pytest.mark.parametrize("route", [Route(), Route(3)], ids=str)
+def test_another_mesh_after_its_rays_are_removed_is_not_mistaken(tmp_path, route):
     """As the refusal advises. It has the same frames, and others of its vertices see each other."""
     vertices, faces, normals = MESH
-    options = {"variants": ("shadowed",), "path": path}
+    options = {"variants": ("shadowed",), "route": route}
     transferred(work=tmp_path, **options)
     for folder in (one for one in tmp_path.iterdir() if one.is_dir()):
         shutil.rmtree(folder)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from shrm.brdf import BRDF
     from shrm.cli.options import Arguments
     from shrm.render import Mesh
-    from shrm.transfer import Path, RadianceTransfer
+    from shrm.transfer import RadianceTransfer, Route
 
 EXAMPLE = "shrm transfer armadillo.obj --brdf ashikhmin-shirley:nu=40,nv=10 -o armadillo.shrt"
 
@@ -155,7 +155,7 @@ def route(text: str) -> tuple[int, ...] | str:
 
 def run(options: argparse.Namespace) -> None:
     """Read the mesh, precompute, save."""
-    from shrm.transfer.precompute import remove_work
+    from shrm.transfer.precomputation import remove_work
 
     materials = _materials(options)
     require_compatible(given(options), RULES)
@@ -199,7 +199,7 @@ def _precomputed(options: argparse.Namespace, materials: list[BRDF], work: pathl
             albedo=options.albedo,
             accuracy=options.accuracy,
             M=options.tents,
-            path=_route(options.route, options.order),
+            route=_route(options.route, options.order),
             K=options.components,
             clusters=options.clusters,
             matrices=options.uncompressed,
@@ -229,15 +229,15 @@ def _shares(mask: str, mesh: Mesh) -> FloatArray:
     return np.stack([1 - second, second], axis=1)
 
 
-def _route(orders: tuple[int, ...] | str | None, n: int) -> Path | None:
+def _route(orders: tuple[int, ...] | str | None, n: int) -> Route | None:
     """Return the route that the text of --route names, for light of order n."""
-    from shrm.transfer import Path, published
+    from shrm.transfer import Route, published
 
     if orders is None:
         return None
     if isinstance(orders, str):
-        return published(n) if orders == "published" else Path()
-    return Path(orders[0], orders[1] if len(orders) > 1 else None)
+        return published(n) if orders == "published" else Route()
+    return Route(orders[0], orders[1] if len(orders) > 1 else None)
 
 
 def summary(transfer: RadianceTransfer) -> str:

@@ -25,9 +25,10 @@ from shrm.transfer.lighting import (
     Projection,
     Tents,
 )
-from shrm.transfer.matrices.product import Path, published
-from shrm.transfer.object import RadianceTransfer, Variant
+from shrm.transfer.matrices.product import Route, published
+from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
+from shrm.transfer.variant import Variant
 
 __all__ = [
     "Compressed",
@@ -36,9 +37,9 @@ __all__ = [
     "FixedLight",
     "FixedView",
     "Lighting",
-    "Path",
     "Projection",
     "RadianceTransfer",
+    "Route",
     "Tents",
     "Variant",
     "precompute",

@@ -42,15 +42,17 @@ import os
 import struct
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
-from shrm.files import replacing
-from shrm.transfer.object import RadianceTransfer, Variant
+from shrm.arrays import Float32Array, Int32Array
+from shrm.files import PathLike, replacing
 from shrm.transfer.quaternions import from_rotations, to_rotations
+from shrm.transfer.variant import Variant
 
 Array = npt.NDArray[Any]
 
@@ -78,20 +80,39 @@ class TransferFileError(ValueError):
     """A transfer file cannot be read or written; the text names the file and the fault in one line."""
 
 
-def save(
-    transfer: RadianceTransfer,
-    path: str | Path,
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Saved:
+    """What a file holds: the fields of `shrm.transfer.RadianceTransfer`, as they are read.
+
+    What the arrays must be to fit each other is for that class to check.
+    """
+
+    vertices: Float32Array
+    faces: Int32Array
+    frames: Float32Array
+    n: int
+    M: int
+    channels: int
+    variants: dict[str, Variant]
+    uv: Float32Array | None = None
+    material: str = ""
+    report: dict[str, Any] = field(default_factory=dict)
+
+
+def write(
+    path: PathLike,
+    saved: Saved,
     *,
     blocks: Mapping[str, Callable[[], Iterable[Array]]] | None = None,
 ) -> None:
-    """Write an object with its transfer; the file appears whole or not at all.
+    """Write what a file holds; the file appears whole or not at all.
 
     Parameters
     ----------
-    transfer : RadianceTransfer
-        Matrices that are mapped from disk are copied a part at a time.
     path : path
         By custom with the extension `.shrt`.
+    saved : Saved
+        Matrices that are mapped from disk are copied a part at a time.
     blocks : mapping, optional
         For variants by name, instead of their matrices: what returns blocks (b, M^2, C, n^2), of vertices in
         order, float32 or float16 like the first, which are written as they come.
@@ -104,16 +125,16 @@ def save(
         If blocks are of another shape, or the report holds what JSON does not.
     """
     path = Path(path)
-    sources = _sources(transfer, blocks or {})
+    sources = _sources(saved, blocks or {})
     try:
         with replacing(path) as beside, beside.open("xb") as file:
-            _write(file, transfer, sources)
+            _write(file, saved, sources)
     except OSError as error:
         raise TransferFileError(f"{path}: cannot be written ({error.strerror or error})") from None
 
 
-def load(path: str | Path, *, verify: bool = False) -> RadianceTransfer:
-    """Read what `save` wrote: arrays are read-only and mapped, frames alone are computed.
+def read(path: PathLike, *, verify: bool = False) -> Saved:
+    """Read what `write` wrote: arrays are read-only and mapped, frames alone are computed.
 
     Parameters
     ----------
@@ -131,7 +152,7 @@ def load(path: str | Path, *, verify: bool = False) -> RadianceTransfer:
         if path.exists() and not path.is_file():
             raise TransferFileError(f"{path}: is no file")
         header, data, start = _opened(path)
-        return _object(header, _arrays(header, data, start, verify))
+        return _saved(header, _arrays(header, data, start, verify))
     except OSError as error:
         raise TransferFileError(f"{path}: cannot be read ({error.strerror or error})") from None
     except TransferFileError:
@@ -139,8 +160,13 @@ def load(path: str | Path, *, verify: bool = False) -> RadianceTransfer:
     except _ContentError as fault:
         raise TransferFileError(f"{path}: {fault}") from None
     except (KeyError, ValueError, TypeError, OverflowError, RecursionError) as fault:
-        text = " ".join(str(fault).split())
-        raise TransferFileError(f"{path}: damaged transfer file ({text[:150]})") from fault
+        raise damaged(path, fault) from fault
+
+
+def damaged(path: PathLike, fault: Exception) -> TransferFileError:
+    """Return the error of a file whose content a fault shows to be damaged, in one line."""
+    text = " ".join(str(fault).split())
+    return TransferFileError(f"{path}: damaged transfer file ({text[:150]})")
 
 
 class _ContentError(ValueError):
@@ -166,20 +192,18 @@ def _slices(array: Array) -> Iterator[Array]:
     return (array[start : start + rows] for start in range(0, len(array), rows))
 
 
-def _sources(
-    transfer: RadianceTransfer, blocks: Mapping[str, Callable[[], Iterable[Array]]]
-) -> dict[str, _Source]:
-    V, tail = len(transfer.vertices), (transfer.M**2, transfer.channels, transfer.n**2)
-    unknown = sorted(set(blocks) - set(transfer.variants))
+def _sources(saved: Saved, blocks: Mapping[str, Callable[[], Iterable[Array]]]) -> dict[str, _Source]:
+    V, tail = len(saved.vertices), (saved.M**2, saved.channels, saved.n**2)
+    unknown = sorted(set(blocks) - set(saved.variants))
     if unknown:
         raise ValueError(f"blocks must be of variants that there are, got {', '.join(unknown)}")
     arrays: dict[str, Array | None] = {
-        "vertices": transfer.vertices,
-        "faces": transfer.faces,
-        "quaternions": from_rotations(transfer.frames).astype(np.float32),
-        "uv": transfer.uv,
+        "vertices": saved.vertices,
+        "faces": saved.faces,
+        "quaternions": from_rotations(saved.frames).astype(np.float32),
+        "uv": saved.uv,
     }
-    for name, variant in transfer.variants.items():
+    for name, variant in saved.variants.items():
         arrays[f"{name}/weights"] = variant.weights
         arrays[f"{name}/components"] = variant.components
         arrays[f"{name}/clusters"] = variant.clusters
@@ -196,7 +220,7 @@ def _sources(
     return sources
 
 
-def _write(file: BinaryIO, transfer: RadianceTransfer, sources: Mapping[str, _Source]) -> None:
+def _write(file: BinaryIO, saved: Saved, sources: Mapping[str, _Source]) -> None:
     entries, end = [], 0
     for name, source in sources.items():
         offset, size = _aligned(end), math.prod(source.shape) * source.dtype.itemsize
@@ -212,11 +236,11 @@ def _write(file: BinaryIO, transfer: RadianceTransfer, sources: Mapping[str, _So
         )
         end = offset + size
     header = {
-        "n": transfer.n,
-        "M": transfer.M,
-        "channels": transfer.channels,
-        "material": transfer.material,
-        "report": transfer.report,
+        "n": saved.n,
+        "M": saved.M,
+        "channels": saved.channels,
+        "material": saved.material,
+        "report": saved.report,
         "arrays": entries,
     }
     length = len(_text(header))
@@ -316,7 +340,7 @@ def _arrays(
     return arrays
 
 
-def _object(header: Mapping[str, Any], arrays: dict[str, Array]) -> RadianceTransfer:
+def _saved(header: Mapping[str, Any], arrays: dict[str, Array]) -> Saved:
     material, report = header["material"], header["report"]
     if not isinstance(material, str) or not isinstance(report, dict):
         raise ValueError("material is no text, or report no object")
@@ -331,17 +355,17 @@ def _object(header: Mapping[str, Any], arrays: dict[str, Array]) -> RadianceTran
     for name, array in arrays.items():
         variant, _, what = name.rpartition("/")
         variants.setdefault(variant, {})[what] = array
-    return RadianceTransfer(
-        vertices,
-        faces,
-        to_rotations(quaternions).astype(np.float32),
-        header["n"],
-        header["M"],
-        header["channels"],
-        {name: Variant(**parts) for name, parts in variants.items()},
-        uv,
-        material,
-        report,
+    return Saved(
+        vertices=vertices,
+        faces=faces,
+        frames=to_rotations(quaternions).astype(np.float32),
+        n=header["n"],
+        M=header["M"],
+        channels=header["channels"],
+        variants={name: Variant(**parts) for name, parts in variants.items()},
+        uv=uv,
+        material=material,
+        report=report,
     )
 
 

@@ -7,46 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import Float32Array, Int32Array, RealArray
+from shrm.files import PathLike
 from shrm.transfer.directional_basis import DirectionalBasis
+from shrm.transfer.file import Saved, damaged, read, write
 from shrm.transfer.lighting import Compressed, Lighting, Tents
 from shrm.transfer.lighting.surface import MOST_ORDER, MOST_TENTS
+from shrm.transfer.variant import VARIANTS, Variant
 from shrm.validation import one_of, real_array, whole_number
-
-VARIANTS = ("unshadowed", "shadowed", "interreflected")
-"""Nothing hides the light; the object does; and its parts send each other light as well."""
-
-
-@dataclass(frozen=True, eq=False)
-class Variant:
-    """Transfer matrices of all vertices: components and weights, or the matrices themselves, or both.
-
-    Attributes
-    ----------
-    weights : (V, K) float32 or float16, or None
-    components : (K, M^2, C, n^2) or, clustered, (Q, K, M^2, C, n^2) float32 or float16, or None
-        Matrices are sum_k weights[p, k] components[k] [LK03 eq. 12].
-    clusters : (V,) int32 or None
-        In [0, Q).
-    matrices : (V, M^2, C, n^2) float32 or float16, or None
-        Uncompressed; mapped from disk maybe.
-    """
-
-    weights: RealArray | None = None
-    components: RealArray | None = None
-    clusters: Int32Array | None = None
-    matrices: RealArray | None = None
-
-    @property
-    def K(self) -> int:
-        """The number of components of a vertex; 0 where there are the matrices alone."""
-        return 0 if self.weights is None else int(self.weights.shape[1])
 
 
 @dataclass(eq=False)
@@ -241,19 +214,37 @@ class RadianceTransfer:
             )
 
     def save(
-        self, path: str | Path, *, blocks: Mapping[str, Callable[[], Iterable[RealArray]]] | None = None
+        self, path: PathLike, *, blocks: Mapping[str, Callable[[], Iterable[RealArray]]] | None = None
     ) -> None:
-        """Write it to a file, whole or not at all; see `shrm.transfer.file.save`."""
-        from shrm.transfer.file import save
+        """Write the object to a file, whole or not at all; see `shrm.transfer.file.write`."""
+        saved = Saved(
+            vertices=self.vertices,
+            faces=self.faces,
+            frames=self.frames,
+            n=self.n,
+            M=self.M,
+            channels=self.channels,
+            variants=self.variants,
+            uv=self.uv,
+            material=self.material,
+            report=self.report,
+        )
+        write(path, saved, blocks=blocks)
 
-        save(self, path, blocks=blocks)
+    @classmethod
+    def load(cls, path: PathLike, *, verify: bool = False) -> RadianceTransfer:
+        """Read an object from a file: arrays are read-only and mapped; see `shrm.transfer.file.read`.
 
-    @staticmethod
-    def load(path: str | Path, *, verify: bool = False) -> RadianceTransfer:
-        """Read it from a file; see `shrm.transfer.file.load`."""
-        from shrm.transfer.file import load
-
-        return load(path, verify=verify)
+        Raises
+        ------
+        shrm.transfer.file.TransferFileError
+            If the file cannot be read, is damaged, or its arrays do not fit each other.
+        """
+        saved = read(path, verify=verify)
+        try:
+            return cls(**vars(saved))
+        except (TypeError, ValueError, OverflowError) as fault:
+            raise damaged(path, fault) from fault
 
 
 def _rows(name: str, value: RealArray, shape: tuple[int | None, ...]) -> Float32Array:

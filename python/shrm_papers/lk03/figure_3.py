@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from shrm import brdf
 from shrm.arrays import FloatArray
-from shrm.transfer.matrices.product import Path as Way
+from shrm.transfer.matrices.product import Route
 from shrm.transfer.object import RadianceTransfer
 
 from shrm_papers.lk03.subject import Subject, n, note, subject_of
@@ -26,7 +26,7 @@ TENTS = 11
 MATERIALS = {"glossy": brdf.AshikhminShirley(40, 40), "matt": brdf.AshikhminShirley(5, 5)}
 """[LK03 section 6]: N = 40 and 5."""
 
-WAYS = {"m = 5": Way(inner=n, m=5, extension="even"), "direct": Way()}
+WAYS = {"m = 5": Route(inner=n, m=5, extension="even"), "direct": Route()}
 """Through harmonics, as in the paper's figure, and straight from rays to tents."""
 
 HIGHEST = 60.0
@@ -69,9 +69,9 @@ def make(settings: Settings) -> Result:
     shown = SHOWN[:8] if settings.quick else SHOWN
     curves = [
         curve
-        for way, path in ways.items()
+        for way, route in ways.items()
         for name, material in MATERIALS.items()
-        for curve in _curves(subject, way, name, material, path, shown[-1])
+        for curve in _curves(subject, way, name, material, route, shown[-1])
     ]
     columns = [
         "K",
@@ -91,9 +91,9 @@ def make(settings: Settings) -> Result:
     )
 
 
-def _curves(subject: Subject, way: str, name: str, material: brdf.BRDF, path: Way, K: int) -> list[Curve]:
+def _curves(subject: Subject, way: str, name: str, material: brdf.BRDF, route: Route, K: int) -> list[Curve]:
     """Return the curves of one way and material, without shadows and with."""
-    transfer = subject.precomputed(material, M=TENTS, path=path, K=K, half=False)
+    transfer = subject.precomputed(material, M=TENTS, route=route, K=K, half=False)
     curves = []
     for shadowed, variant in ((False, "unshadowed"), (True, "shadowed")):
         reported = transfer.report["compression"][variant]["SNR of 1 to K"]

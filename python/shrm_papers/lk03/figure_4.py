@@ -9,8 +9,7 @@ from shrm import brdf, sh
 from shrm.arrays import Float32Array
 from shrm.transfer.brdf_matrix import project
 from shrm.transfer.lighting import Lighting, Projection, Tents, parabolic_map
-from shrm.transfer.matrices.product import Path as Way
-from shrm.transfer.matrices.product import product, published
+from shrm.transfer.matrices.product import Route, product, published
 from shrm.transfer.tangent_frames import local_coefficients
 
 from shrm_papers.comparison import Block, draw_blocks
@@ -96,8 +95,8 @@ def _columns(subject: Subject, stage: Stage, case: Case, truth: Shot, side: int)
 
 def _by_harmonics(subject: Subject, case: Case, stage: Stage, T: Float32Array | None) -> Float32Array:
     """Return radiance (V, 3) as a sum of harmonics of the view, without change of basis [LK03 eqs. 5, 6]."""
-    path = published(n)
-    B = project(case.material, VIEW_ORDER, n, extension=path.extension, window_above=path.window_above)
+    route = published(n)
+    B = project(case.material, VIEW_ORDER, n, extension=route.extension, window_above=route.window_above)
     arriving = (
         np.broadcast_to(stage.light, (subject.size, *stage.light.shape)) if T is None else T @ stage.light
     )
@@ -111,9 +110,11 @@ def _direct(subject: Subject, case: Case, M: int) -> Lighting:
     """Return the lighting of tents that come straight from rays."""
     vertices, frames = subject.mesh.vertices, subject.frames
     if not case.shadowed:
-        rows = product(case.material, M, n, subject.rays, Way()).unshadowed
+        rows = product(case.material, M, n, subject.rays, Route()).unshadowed
         return Projection(vertices, frames, rows.reshape(M * M, 1, n * n))
-    transfer = subject.precomputed(case.material, M=M, path=Way(), K=1, matrices=True, variants=["shadowed"])
+    transfer = subject.precomputed(
+        case.material, M=M, route=Route(), K=1, matrices=True, variants=["shadowed"]
+    )
     matrices = transfer.variants["shadowed"].matrices
     assert matrices is not None
     return Tents(vertices, frames, matrices)

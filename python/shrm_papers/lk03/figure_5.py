@@ -57,7 +57,7 @@ def make(settings: Settings) -> Result:
         transfer = subject.precomputed(
             case.material,
             M=TENTS,
-            path=published(n),
+            route=published(n),
             K=max(PAPER),
             half=False,
             matrices=True,

@@ -23,9 +23,17 @@ from shrm.transfer.lighting import (
     parabolic_map,
     zonal_kernel,
 )
-from shrm.transfer.matrices.product import Path as Way
-from shrm.transfer.matrices.product import accumulate, harmonics, product, published, rotated, view_rows
-from shrm.transfer.object import RadianceTransfer, Variant
+from shrm.transfer.matrices.product import (
+    Route,
+    accumulate,
+    harmonics,
+    product,
+    published,
+    rotated,
+    view_rows,
+)
+from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.variant import Variant
 
 from shrm_papers.lk03.reference import VERTICES, VIEWS, Reference
 from shrm_papers.lk03.subject import Subject, n
@@ -162,10 +170,10 @@ def _candidates(subject: Subject, samples: int, accuracy: float) -> Iterator[_Ca
     yield from _projections(subject, samples)
 
     # Tents without compression: the matrices of few are discarded when those of many are made.
-    through_harmonics = subject.precomputed(GLOSSY, M=TENTS, path=published(n), K=COMPONENTS[-1], half=False)
+    through_harmonics = subject.precomputed(GLOSSY, M=TENTS, route=published(n), K=COMPONENTS[-1], half=False)
     for M in (FEW, TENTS):
         few = {"K": 1} if M == FEW else {}
-        straight = subject.precomputed(GLOSSY, M=M, path=Way(), accuracy=accuracy, matrices=True, **few)
+        straight = subject.precomputed(GLOSSY, M=M, route=Route(), accuracy=accuracy, matrices=True, **few)
         for shadowed, variant in _by_shadows(straight).items():
             yield _tents(subject, M, shadowed, variant)
 

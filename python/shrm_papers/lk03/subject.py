@@ -18,8 +18,7 @@ import numpy.typing as npt
 from shrm.arrays import BoolArray, Float32Array
 from shrm.brdf import BRDF, Lambert
 from shrm.render import Mesh
-from shrm.transfer.matrices.product import Path as Way
-from shrm.transfer.matrices.product import accumulate, harmonics, product, rotated
+from shrm.transfer.matrices.product import Route, accumulate, harmonics, product, rotated
 from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
 from shrm.transfer.rays.directions import local_directions
@@ -94,7 +93,7 @@ class Subject:
     def transfer(self) -> Float32Array:
         """T_p of all vertices, (V, n^2, n^2): light to transferred light, in global coordinates."""
         # Transferred light depends neither on the material nor on the tents.
-        inner = product(Lambert(1.0), 2, n, self.rays, Way(inner=n)).inner
+        inner = product(Lambert(1.0), 2, n, self.rays, Route(inner=n)).inner
         assert inner is not None
         Y = harmonics(self.rays, n).astype(np.float32)
         T = np.empty((self.size, n * n, n * n), np.float32)

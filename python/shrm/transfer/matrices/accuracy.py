@@ -16,7 +16,7 @@ import numpy as np
 from shrm import _core
 from shrm.arrays import BoolArray, Float32Array, FloatArray, RealArray
 from shrm.brdf import BRDF
-from shrm.transfer.matrices.product import Path, Product, accumulate, harmonics, product, view_rows
+from shrm.transfer.matrices.product import Product, Route, accumulate, harmonics, product, view_rows
 
 TENTS = (3, 5, 7, 9, 11, 13, 15, 17, 21, 25)
 """Numbers M among which `chosen` looks for the smallest."""
@@ -77,10 +77,10 @@ def chosen(
     accuracy: float,
     *,
     M: int | None = None,
-    path: Path | None = None,
+    route: Route | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
-) -> tuple[int, Path, float]:
-    """Return the fewest tents M, the path and its accuracy in dB that suit all materials.
+) -> tuple[int, Route, float]:
+    """Return the fewest tents M, the route and its accuracy in dB that suit all materials.
 
     Parameters
     ----------
@@ -90,8 +90,8 @@ def chosen(
     sample : Sample
     accuracy : float
         Wanted, in dB. If nothing reaches it, what comes nearest is returned.
-    M, path
-        Given ones are kept. Without a path it is the shortest that will do: inner order n, then 8 if n is
+    M, route
+        Given ones are kept. Without a route it is the shortest that will do: inner order n, then 8 if n is
         smaller, both with views of order 8, then none.
     progress : callable
         Called with the number of tents tried and to be tried.
@@ -99,29 +99,29 @@ def chosen(
     expected = [reference(brdf, n, sample) for brdf in brdfs]
     enough = accuracy + MARGIN
 
-    def worst(M: int, path: Path) -> float:
-        made = (product(brdf, M, n, sample.directions, path, points=2) for brdf in brdfs)
+    def worst(M: int, route: Route) -> float:
+        made = (product(brdf, M, n, sample.directions, route, points=2) for brdf in brdfs)
         return min(measured(one, rows, sample) for one, rows in zip(made, expected, strict=True))
 
-    paths = (path,) if path else (Path(), *(Path(order, m=8) for order in sorted({n, max(n, 8)})))
-    # Of the paths that are tried the first is the most accurate. More tents are more accurate and take
+    routes = (route,) if route else (Route(), *(Route(order, m=8) for order in sorted({n, max(n, 8)})))
+    # Of the routes that are tried the first is the most accurate. More tents are more accurate and take
     # longer: from the middle on upwards, or downwards as long as they will do.
     tried = TENTS if M is None else (M,)
     start = len(tried) // 2 - 1 if M is None else 0
-    found = {start: worst(tried[start], paths[0])}
+    found = {start: worst(tried[start], routes[0])}
     progress(1, len(tried))
     step = -1 if found[start] >= enough else 1
     k = start
     while 0 <= k + step < len(tried):
         k += step
-        found[k] = worst(tried[k], paths[0])
+        found[k] = worst(tried[k], routes[0])
         progress(len(found), len(tried))
         if (found[k] >= enough) == (step > 0):
             break
     will_do = [k for k in found if found[k] >= enough]
     k = min(will_do) if will_do else max(found, key=lambda one: found[one])
-    best = tried[k], paths[0], found[k]
-    for other in paths[1:]:
+    best = tried[k], routes[0], found[k]
+    for other in routes[1:]:
         snr = worst(tried[k], other)
         if snr >= enough:
             best = tried[k], other, snr

@@ -42,7 +42,7 @@ _PAIRS = 1 << 20
 
 
 @dataclass(frozen=True)
-class Path:
+class Route:
     """By way of which expansion light becomes outgoing radiance.
 
     Attributes
@@ -86,12 +86,12 @@ class Path:
         return f"order {self.inner}" + ("" if self.m is None else f", views of order {self.m}")
 
 
-def published(n: int) -> Path:
-    """Return the path of [LK03 section 7]: inner order n, m = 8, a window above degree 5.
+def published(n: int) -> Route:
+    """Return the route of [LK03 section 7]: inner order n, m = 8, a window above degree 5.
 
     The even extension and the shape of the window are ours: the paper does not say which it has.
     """
-    return Path(inner=n, m=8, extension="even", window_above=5)
+    return Route(inner=n, m=8, extension="even", window_above=5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ class Product:
         The tents; rows below are those of (tent, channel), tent by tent.
     channels : int
         C, 1 or 3.
-    path : Path
+    route : Route
     rays : (M^2 C, D) float32
         Q, from radiance along each direction.
     unshadowed : (M^2 C, n^2) float64
@@ -117,7 +117,7 @@ class Product:
 
     basis: DirectionalBasis
     channels: int
-    path: Path
+    route: Route
     rays: Float32Array
     unshadowed: FloatArray
     outer: Float32Array | None = None
@@ -125,7 +125,7 @@ class Product:
 
 
 def product(
-    brdf: BRDF, M: int, n: int, directions: FloatArray, path: Path, points: int = VIEW_POINTS
+    brdf: BRDF, M: int, n: int, directions: FloatArray, route: Route, points: int = VIEW_POINTS
 ) -> Product:
     """Make Q for a material.
 
@@ -137,24 +137,24 @@ def product(
         Tents along a side; order of the light.
     directions : (D, 3) float64
         Of equal solid angles over the hemisphere about +z.
-    path : Path
+    route : Route
     points : int
         Of the quadrature over views, along a side of each triangle.
     """
     basis, Y = DirectionalBasis(M), harmonics(directions, n)
     weight = 2 * np.pi / len(directions)
-    if path.inner is None:
+    if route.inner is None:
         views, view_weights = basis.quadrature(points)
         B = _tents_by_channels(project_on_tents(brdf, basis, n, points))
         Q = weight * _projected(brdf, basis, views, view_weights, directions)
-        return Product(basis, brdf.channels, path, _float32(_corrected(Q, B, Y)), B)
-    s = path.inner
-    widest = _outer(brdf, basis, max(s, n), path, points)
+        return Product(basis, brdf.channels, route, _float32(_corrected(Q, B, Y)), B)
+    s = route.inner
+    widest = _outer(brdf, basis, max(s, n), route, points)
     P, B = widest[:, : s * s], widest[:, : n * n]
     T = hemispherical_gram(max(s, n))[: s * s, : n * n]  # of light that nothing hides but the surface
     inner = _corrected(weight * harmonics(directions, s).T, T, Y)
     return Product(
-        basis, brdf.channels, path, _float32(P @ inner), B, outer=_float32(P), inner=_float32(inner)
+        basis, brdf.channels, route, _float32(P @ inner), B, outer=_float32(P), inner=_float32(inner)
     )
 
 
@@ -215,11 +215,11 @@ def rotated(local: RealArray, frames: FloatArray) -> Float32Array:
 # ---- Materials at directions
 
 
-def _outer(brdf: BRDF, basis: DirectionalBasis, s: int, path: Path, points: int) -> FloatArray:
+def _outer(brdf: BRDF, basis: DirectionalBasis, s: int, route: Route, points: int) -> FloatArray:
     """P (M^2 C, s^2): tents of outgoing radiance from local light of order s."""
-    if path.m is None:
+    if route.m is None:
         return _tents_by_channels(project_on_tents(brdf, basis, s, points))
-    B = project(brdf, path.m, s, extension=path.extension, window_above=path.window_above).coefficients
+    B = project(brdf, route.m, s, extension=route.extension, window_above=route.window_above).coefficients
     channels = B[None] if B.ndim == 2 else B
     tents = [basis.project_coefficients(one) for one in channels]  # [LK03] eq. 8
     return _tents_by_channels(np.stack(tents))

@@ -1,0 +1,428 @@
+"""The stages from a mesh and a material to an object with transfer, in the order of the data [LK03].
+
+What takes long is kept in a folder as it is finished, so that a computation that was stopped goes on where it
+was, and the matrices of all vertices need not fit in memory.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from shrm.arrays import Float32Array, FloatArray, Int32Array
+from shrm.brdf import BRDF
+from shrm.files import PathLike
+from shrm.transfer.compression.clusters import clustered
+from shrm.transfer.compression.components import PrincipalComponents
+from shrm.transfer.compression.compression import factored, streamed
+from shrm.transfer.lighting.surface import MOST_ORDER, MOST_TENTS
+from shrm.transfer.matrices.accuracy import Sample, chosen
+from shrm.transfer.matrices.materials import Materials
+from shrm.transfer.matrices.matrices import Factors, Matrices
+from shrm.transfer.matrices.product import Product, Route, product
+from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.rays.bounces import MOST_BOUNCES, albedos, leaving
+from shrm.transfer.rays.directions import FEWEST_DIRECTIONS, MOST_DIRECTIONS, local_directions
+from shrm.transfer.rays.rays import Occluders, mesh_faces, rows
+from shrm.transfer.rays.stored import read
+from shrm.transfer.rays.visibility import Visibility
+from shrm.transfer.tangent_frames import vertex_frames
+from shrm.transfer.variant import VARIANTS, Variant
+from shrm.validation import flag, number, one_of, require_instance, whole_number
+
+Progress = Callable[[str, int, int], None]
+"""What is being done, in words, and how much of how much of it is finished."""
+
+MOST_ACCURACY = 60.0
+"""The largest accuracy that can be asked for, in dB: rounding to float32 is not far beyond."""
+
+SAMPLE = 48
+"""Vertices at which the accuracy of tents is measured."""
+
+_FINER = 4
+"""Rays that such a vertex casts for the reference, over those of the computation."""
+
+_COORDINATES = 256
+"""Global components whose coordinates the clusters are found among."""
+
+_COMPONENTS_OF_A_CLUSTER = 3
+"""Components of a cluster where their number is not given."""
+
+_FACTORED_COLUMNS = 2048
+"""Columns up to which exact components are found as fast as random ones."""
+
+_BLOCK = 1024
+"""Vertices whose matrices are read at once for compression."""
+
+_RAYS = ("rays", "rays with hits")
+"""Names of the folders of visibility in the one for work: without hits, and with them."""
+
+_UNCOMPRESSED = " matrices"
+"""What is appended to a variant's name for its uncompressed matrices there."""
+
+
+class MeshLike(Protocol):
+    """A triangle mesh: `shrm.render.Mesh`, `trimesh.Trimesh`, or any object with these arrays.
+
+    Texture coordinates, (V, 2), are taken from `uv` or, as trimesh has them, from `visual.uv`; none need be.
+    """
+
+    @property
+    def vertices(self) -> npt.NDArray[np.floating[Any]]:
+        """(V, 3)."""
+
+    @property
+    def faces(self) -> npt.NDArray[np.integer[Any]]:
+        """(T, 3), indices into vertices."""
+
+    @property
+    def vertex_normals(self) -> npt.NDArray[np.floating[Any]]:
+        """(V, 3), zero where there is none."""
+
+
+@dataclass(eq=False, kw_only=True)
+class Precomputation:
+    """A request of `shrm.transfer.precompute`, whose parameters these are, and the stages that answer it.
+
+    Attributes
+    ----------
+    vertices, faces, frames : (V, 3) float64, (T, 3) int32, (V, 3, 3) float64
+        The mesh, checked.
+    uv : (V, 2) float32 or None
+    materials : Materials
+    rays : (D, 3) float64
+        Local directions in which every vertex casts its rays.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not as `precompute` describes it.
+    OSError
+        If the folder for work cannot be made.
+    """
+
+    mesh: MeshLike
+    brdf: BRDF | Sequence[BRDF]
+    shares: npt.ArrayLike | None
+    tangents: npt.ArrayLike | None
+    n: int
+    directions: int
+    variants: Sequence[str]
+    bounces: int
+    albedo: npt.ArrayLike | None
+    accuracy: float
+    M: int | None
+    route: Route | None
+    K: int | None
+    clusters: int | None
+    half: bool
+    matrices: bool
+    work: PathLike | None
+    progress: Progress | None
+
+    vertices: FloatArray = field(init=False)
+    faces: Int32Array = field(init=False)
+    frames: FloatArray = field(init=False)
+    uv: Float32Array | None = field(init=False)
+    materials: Materials = field(init=False)
+    rays: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._check_mesh()
+        V = len(self.vertices)
+
+        # What light and material are, and which variants
+        self.materials = Materials.of(self.brdf, self.shares, V)
+        self.n = whole_number("n", self.n, 1, MOST_ORDER)
+        self.variants = _variants_in_order(self.variants)
+        self.bounces = whole_number("bounces", self.bounces, 1, MOST_BOUNCES)
+        if self.albedo is not None:
+            albedos(self.albedo, V)
+        self.rays = local_directions(
+            whole_number("directions", self.directions, FEWEST_DIRECTIONS, MOST_DIRECTIONS)
+        )
+
+        # How accurate, how large
+        self.accuracy = number("accuracy", self.accuracy, 0.0, MOST_ACCURACY)
+        self.M = None if self.M is None else whole_number("M", self.M, 2, MOST_TENTS)
+        if self.route is not None:
+            require_instance("route", self.route, Route, what="a shrm.transfer.Route")
+        self.K = None if self.K is None else whole_number("K", self.K, 1)
+        if self.clusters is not None:
+            self.clusters = whole_number("clusters", self.clusters, 1, V)
+        self.half, self.matrices = flag("half", self.half), flag("matrices", self.matrices)
+        if self.work is not None:
+            Path(self.work).mkdir(parents=True, exist_ok=True)
+
+    def _check_mesh(self) -> None:
+        """Take the arrays of the mesh; frames turn x around the vertical where no tangents are given."""
+        for name in ("vertices", "faces", "vertex_normals"):
+            if not hasattr(self.mesh, name):
+                raise TypeError(
+                    f"mesh must have vertices, faces and vertex_normals, got {type(self.mesh).__name__}"
+                )
+        self.vertices = rows("vertices", self.mesh.vertices, 3)
+        V = len(self.vertices)
+        self.faces = mesh_faces(self.mesh.faces, V)
+        largest = np.abs(self.vertices).max()
+        if largest > np.finfo(np.float32).max:
+            raise ValueError(f"vertices must be within the range of float32, got {largest:.3g}")
+        normals = _rows_of_vertices("vertex_normals", self.mesh.vertex_normals, V, 3)
+        around = np.cross([0.0, 0.0, 1.0], normals)
+        self.frames = vertex_frames(normals, around if self.tangents is None else self.tangents)
+        uv = getattr(self.mesh, "uv", None)
+        if uv is None:
+            uv = getattr(getattr(self.mesh, "visual", None), "uv", None)
+        self.uv = None if uv is None else _rows_of_vertices("uv", uv, V, 2).astype(np.float32)
+
+    @property
+    def hidden(self) -> bool:
+        """Whether a variant is asked for in which the object hides light from itself."""
+        return list(self.variants) != ["unshadowed"]
+
+    @property
+    def interreflected(self) -> bool:
+        """Whether the variant in which the object lights itself is asked for."""
+        return "interreflected" in self.variants
+
+    def run(self) -> RadianceTransfer:
+        """Compute all stages, each from what those before it gave.
+
+        Warns
+        -----
+        UserWarning
+            If the accuracy is not reached by what was chosen.
+        """
+        M, route, snr = self.tents()
+        if snr < self.accuracy and (self.M is None or self.route is None):
+            warnings.warn(
+                f"{M} x {M} tents reach {snr:.1f} dB of the {self.accuracy:g} asked for", stacklevel=3
+            )
+        products = self.products(M, route)
+        with _folder(self.work) as folder:
+            visibility = self.visibility(folder) if self.hidden else None
+            reflected = self.reflected(visibility, products)
+            channels = max(self.materials.channels, 1 if reflected is None else reflected.shape[1])
+            matrices = Matrices(self.frames, self.materials, products, channels, self.n, folder)
+            variants, compression = {}, {}
+            for name in self.variants:
+                factors = self.factors(name, matrices, visibility, reflected)
+                components = self.compressed(name, factors)
+                compression[name] = components.report()
+                uncompressed = factors.matrices(folder / f"{name}{_UNCOMPRESSED}") if self.matrices else None
+                variants[name] = Variant(
+                    components.weights, components.components, components.clusters, uncompressed
+                )
+        report = {
+            "SNR of matrices": round(snr, 2) if np.isfinite(snr) else None,
+            "accuracy": self.accuracy,
+            "path": str(route),
+            "directions": self.directions,
+            "bounces": self.bounces if reflected is not None else 0,
+            "compression": compression,
+        }
+        return self.object(M, channels, variants, report)
+
+    # ---- Stages
+
+    def tents(self) -> tuple[int, Route, float]:
+        """Choose the tents M and the route that the accuracy takes; return them and their SNR in dB.
+
+        Raises
+        ------
+        ValueError
+            If K is larger than matrices of these tents have components.
+        """
+        choice = chosen(
+            self.materials.brdfs,
+            self.n,
+            self._sample(),
+            self.accuracy,
+            M=self.M,
+            route=self.route,
+            progress=self._stage("choosing tents"),
+        )
+        if self.K is not None:
+            whole_number("K", self.K, 1, choice[0] ** 2 * self.materials.channels * self.n**2)
+        return choice
+
+    def products(self, M: int, route: Route) -> list[Product]:
+        """Make what each material makes of light along the rays, in tents."""
+        brdfs, stage = self.materials.brdfs, self._stage("materials")
+        products: list[Product] = []
+        for brdf in brdfs:
+            stage(len(products), len(brdfs))
+            products.append(product(brdf, M, self.n, self.rays, route))
+        return products
+
+    def visibility(self, folder: Path) -> Visibility:
+        """Cast the rays of all vertices, with their hits where light is to be reflected."""
+        hits = self.interreflected
+        visibility = Visibility(
+            folder / _RAYS[hits], self.vertices, self.faces, self.frames, self.rays, hits=hits
+        )
+        visibility.compute(self._stage("rays"))
+        return visibility
+
+    def reflected(self, visibility: Visibility | None, products: Sequence[Product]) -> Float32Array | None:
+        """Bounce light between the vertices: transfer to the radiance (V, C, n^2) that leaves them."""
+        if visibility is None or not self.interreflected:
+            return None
+        albedo = self.materials.albedo(products) if self.albedo is None else self.albedo
+        return leaving(visibility, self.n, albedo, self.bounces, self._stage("bounces"))
+
+    def factors(
+        self,
+        name: str,
+        matrices: Matrices,
+        visibility: Visibility | None,
+        reflected: Float32Array | None,
+    ) -> Factors:
+        """Make the matrices of a variant, which stay in the folder."""
+        if visibility is None or name == "unshadowed":
+            return matrices.unshadowed(self._stage(name))
+        light = reflected if name == "interreflected" else None
+        return matrices.shadowed(visibility, light, self._stage(name))
+
+    def compressed(self, name: str, factors: Factors) -> PrincipalComponents:
+        """Find the components of a variant, as many as the accuracy takes or as are asked for."""
+        stage = self._stage(f"compressing {name}")
+        stage(0, 1)
+        components = _principal_components(factors, self.n, self.accuracy, self.K, self.clusters)
+        components = components.halved() if self.half else components
+        stage(1, 1)
+        return components
+
+    def object(
+        self, M: int, channels: int, variants: dict[str, Variant], report: dict[str, Any]
+    ) -> RadianceTransfer:
+        """Put the mesh and its variants together."""
+        return RadianceTransfer(
+            vertices=self.vertices.astype(np.float32),
+            faces=self.faces,
+            frames=self.frames.astype(np.float32),
+            n=self.n,
+            M=M,
+            channels=channels,
+            variants=variants,
+            uv=self.uv,
+            material=self.materials.name,
+            report=report,
+        )
+
+    def _sample(self) -> Sample:
+        """Choose some vertices of faces, seeded, and cast their rays and more: what hides the light there."""
+        fine = local_directions(min(_FINER * 2 * len(self.rays), MOST_DIRECTIONS))
+        if not self.hidden:
+            coarse_visible, fine_visible = (np.ones((1, len(d)), np.bool_) for d in (self.rays, fine))
+            return Sample(self.rays, coarse_visible, fine, fine_visible)
+        of_faces = np.unique(self.faces)
+        count = min(SAMPLE, len(of_faces))
+        where = np.sort(np.random.default_rng(0).choice(of_faces, count, replace=False))
+        occluders = Occluders(self.vertices, self.faces, self.frames[:, :, 2])
+        coarse_visible, fine_visible = (
+            np.concatenate(
+                [occluders.cast(slice(p, p + 1), self.frames[p : p + 1], d, hits=False)[0] for p in where]
+            )
+            for d in (self.rays, fine)
+        )
+        return Sample(self.rays, coarse_visible, fine, fine_visible)
+
+    def _stage(self, what: str) -> Callable[[int, int], None]:
+        """Return what tells the progress of a stage."""
+        progress = self.progress
+        return lambda done, total: progress(what, done, total) if progress else None
+
+
+def remove_work(work: PathLike) -> None:
+    """Remove a folder that `precompute` worked in: what it put there, and the folder if nothing else is left.
+
+    Raises
+    ------
+    OSError
+        If something of it cannot be removed.
+    """
+    work = Path(work)
+    for name in _RAYS:
+        if (work / name).is_dir():
+            shutil.rmtree(work / name)
+    for name in VARIANTS:
+        for array in (name, f"{name}{_UNCOMPRESSED}"):
+            for pattern in (f"{array}.npy", f"{array}.json", f".{array}.*.part"):
+                for file in work.glob(pattern):
+                    file.unlink()
+    with suppress(OSError):  # what else is there stays; and so does a link, to a folder made by hand
+        work.rmdir()
+
+
+def _variants_in_order(variants: Sequence[str]) -> list[str]:
+    """Return the names of the variants in the order of `VARIANTS`; a single one may be given by itself."""
+    if not isinstance(variants, Iterable):
+        raise TypeError(f"variants must be names, got {variants!r}")
+    names = [variants] if isinstance(variants, str) else list(variants)
+    for name in names:
+        one_of("variants", name, VARIANTS)
+    if not names:
+        raise ValueError("variants must name at least one, got none")
+    return [name for name in VARIANTS if name in names]
+
+
+def _rows_of_vertices(name: str, value: npt.ArrayLike, count: int, width: int) -> FloatArray:
+    """Return a finite (count, width) float64 array: a row for each vertex."""
+    array = rows(name, value, width)
+    if len(array) != count:
+        raise ValueError(f"{name} must have the shape ({count}, {width}), got {array.shape}")
+    return array
+
+
+def _principal_components(
+    factors: Factors, n: int, accuracy: float, K: int | None, clusters: int | None
+) -> PrincipalComponents:
+    """Return components of matrices, as many as the accuracy takes or as are asked for."""
+    # Exact ones where one material makes all matrices from few rows
+    outer = factors.outer
+    small = outer is not None and outer.shape[1] * n * n <= _FACTORED_COLUMNS
+    height = factors.tents * factors.channels
+    columns = (min(height, factors.rows.shape[1]) if small else height) * n * n
+    asked: dict[str, Any] = {"accuracy": accuracy} if K is None else {"K": min(K, columns)}
+    if clusters is not None:
+        asked = {"K": min(max(_COORDINATES, K or 0), columns)}
+    if outer is not None and small:
+        P = outer.reshape(factors.tents, factors.channels, -1)
+        components = factored(P, factors.rows, **asked)
+    else:
+        components = streamed(_blocks(factors), **asked)
+    if clusters is None:
+        return components
+    return clustered(components, clusters, min(K or _COMPONENTS_OF_A_CLUSTER, components.K))
+
+
+def _blocks(factors: Factors) -> Callable[[], Iterator[Float32Array]]:
+    """Return what gives the matrices anew, in blocks."""
+
+    def blocks() -> Iterator[Float32Array]:
+        for start in range(0, len(factors.rows), _BLOCK):
+            part = read(factors.rows, slice(start, start + _BLOCK))
+            whole = part if factors.outer is None else np.matmul(factors.outer, part)
+            yield whole.reshape(len(part), factors.tents, factors.channels, -1)
+
+    return blocks
+
+
+@contextmanager
+def _folder(work: PathLike | None) -> Iterator[Path]:
+    """Give the folder for work, or a temporary one."""
+    if work is None:
+        with tempfile.TemporaryDirectory(prefix="shrm-transfer-") as temporary:
+            yield Path(temporary)
+    else:
+        yield Path(work)
