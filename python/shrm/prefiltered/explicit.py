@@ -1,8 +1,7 @@
 """Conversions between reflection maps and the explicit sets of maps of earlier methods [RH02 appendix C].
 
-Both ways: from a SHRM to Cabral's twelve icosahedral maps, to Kautz and McCool's three-dimensional texture
-and to an explicit set for a grid of views; and from any explicit set of maps to a SHRM, by fitting its
-coefficients.
+A SHRM gives Cabral's twelve icosahedral maps, Kautz and McCool's three-dimensional texture and an explicit
+set for a grid of views; and any explicit set of maps gives a SHRM, whose coefficients are fitted to it.
 """
 
 from __future__ import annotations
@@ -24,12 +23,22 @@ from shrm.validation import one_of, real_array, unit_vectors, whole_number
 
 
 def grid_views(T: int) -> FloatArray:
-    """Return T x T views in the lat-long convention of environments: (T, T, 3) unit vectors; T is 1 to 256.
+    """Return T x T views in the lat-long convention of environments.
+
+    Parameters
+    ----------
+    T : int
+        Rows and columns, 1 to 256.
+
+    Returns
+    -------
+    (T, T, 3) float64
+        Unit vectors.
 
     Raises
     ------
     TypeError, ValueError
-        If T is no whole number in its range.
+        If T is not a whole number in its range.
     """
     whole_number("T", T, 1, 256)
     theta = (np.arange(T) + 0.5) * np.pi / T
@@ -46,7 +55,7 @@ def maps_at_views(reflection: Reflection, views: npt.ArrayLike) -> Float32Array:
     Parameters
     ----------
     reflection : Reflection
-        A map in frequency space, or an integral, of a material with one center.
+        A reflection of a material with one center.
     views : (n, 3) array_like
         Unit vectors towards the eye, world frame.
 
@@ -76,7 +85,7 @@ def reflection_maps(reflection: Reflection, T: int) -> Float32Array:
     Parameters
     ----------
     reflection : Reflection
-        A map in frequency space, or an integral, of a material with one center.
+        A reflection of a material with one center.
     T : int
         Rows and columns of the grid of views, 1 to 256.
 
@@ -99,6 +108,7 @@ def reflection_maps(reflection: Reflection, T: int) -> Float32Array:
 
 
 def _has_one_global_part(rm: ReflectionMap) -> bool:
+    """Return whether a map is one part in the global form, without a residual."""
     return len(rm.parts) == 1 and not rm.parts[0].zonal and rm.residual is None
 
 
@@ -111,7 +121,7 @@ def three_dimensional_texture(rm: ReflectionMap, T: int) -> Float32Array:
     Parameters
     ----------
     rm : ReflectionMap
-        Of a material of one lobe.
+        A map of a material of one lobe.
     T : int
         Layers, at theta_o = (t + 1/2) pi / T, 1 to 4096.
 
@@ -135,7 +145,7 @@ def three_dimensional_texture(rm: ReflectionMap, T: int) -> Float32Array:
 
 
 def without_azimuth(rm: ReflectionMap) -> ReflectionMap:
-    """Return a map without the azimuth of the view about C: what the terms q = 0 of the local form hold.
+    """Return a map without the azimuth of the view about C: the terms q = 0 of the local form.
 
     Kautz and McCool's approximation [KM00]: each lobe is a function of theta_i and theta_o alone, radially
     symmetric about C for every view [RH02 footnote 7]. It takes P + 1 maps, for Y_p0(theta_o) [RH02 eq. 6].
@@ -143,12 +153,12 @@ def without_azimuth(rm: ReflectionMap) -> ReflectionMap:
     Parameters
     ----------
     rm : ReflectionMap
-        Made by `shrm.prefilter`: maps fitted to pictures have no local form.
+        A map that `shrm.prefilter` made: maps fitted to pictures have no local form.
 
     Returns
     -------
     ReflectionMap
-        On the same grid. Its `error` is not known, and nan.
+        A map on the same grid. Its `error` is not known, and nan.
 
     Raises
     ------
@@ -163,6 +173,7 @@ def without_azimuth(rm: ReflectionMap) -> ReflectionMap:
 
 
 def _radial(part: Part) -> Part:
+    """Return a part with the terms q = 0 alone."""
     if part.zonal:
         return part
     radial = replace(part, zonal=True).resized(part.size, part.layout)
@@ -189,7 +200,7 @@ def fit(
     center : {"reflection", "normal", "tangent"}
         The central direction by which the maps are looked up.
     name : str
-        What the material is called.
+        The material's name.
 
     Returns
     -------
@@ -205,6 +216,8 @@ def fit(
     pixels = lat_long_pictures(maps, len(V))
     one_of("center", center, ("reflection", "normal", "tangent"))
     whole_number("P", P, 0, 24)
+
+    # Least squares for all texels at once, if the views determine the coefficients
     Y = sh.evaluate(np.eye((P + 1) ** 2), V)
     if np.linalg.matrix_rank(Y, rtol=1e-6) < (P + 1) ** 2:
         raise ValueError(f"{len(V)} views do not determine the {(P + 1) ** 2} coefficients of P = {P}")
@@ -212,6 +225,7 @@ def fit(
     coefficients = np.linalg.lstsq(Y, flat, rcond=None)[0]
     energy = float((flat**2).sum())
     error = float(np.sqrt(((Y @ coefficients - flat) ** 2).sum() / energy)) if energy > 0 else 0.0
+
     rings = coefficients.reshape(-1, *pixels.shape[1:]).transpose(1, 0, 3, 2)
     part = CoefficientMaps(
         center=center,
@@ -224,7 +238,7 @@ def fit(
 
 
 def lat_long_pictures(maps: npt.ArrayLike, count: int) -> FloatArray:
-    """Return pictures as (count, H, 2 H, 3) float64, H even; TypeError or ValueError if they are not that."""
+    """Return pictures as (count, H, 2 H, 3) float64, H even; raise TypeError or ValueError for others."""
     pixels = real_array("maps", maps)
     _, H, W, channels = pixels.shape if pixels.ndim == 4 else (0, 0, 0, 0)
     if len(pixels) != count or channels != 3 or W != 2 * H:
@@ -235,7 +249,10 @@ def lat_long_pictures(maps: npt.ArrayLike, count: int) -> FloatArray:
 
 
 def _azimuthal_mean(part: CoefficientMaps) -> FloatArray:
-    """B_p0 of the local form, sqrt(4 pi / (2p+1)) sum_q B~_pq Y_pq(C): [RH02] eq. 8 inverted, at s = 0."""
+    """Return B_p0 of the local form, (P+1, ...), for all p.
+
+    B_p0 = sqrt(4 pi / (2p+1)) sum_q B~_pq Y_pq(C), [RH02] eq. 8 inverted at s = 0.
+    """
     maps = part.maps.astype(np.float64)
     C = part.directions().reshape(-1, 3)
     Y = sh.evaluate(np.eye(maps.shape[0]), C).T.reshape(maps.shape[:-1])

@@ -16,18 +16,18 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.environment.paraboloid import face_positions
 from shrm.lobes.directions import across, central_directions
 from shrm.lobes.factored import factor_at
-from shrm.validation import one_of, real_array, unit_vectors, whole_number
+from shrm.validation import one_of, real_array, require_instance, unit_vectors, whole_number
 
 RadialCenter = Literal["reflection", "normal"]
 
 
 def blended_band(size: int, border: int) -> float:
-    """|z| up to which lookups blend both faces: half of the border is within it."""
+    """Return |z| up to which look-ups blend both faces; half of the border is within it."""
     rim = 1.0 + border / size
     return (rim**2 - 1.0) / (rim**2 + 1.0)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ParaboloidMap:
     """The dual-paraboloid map of one lobe.
 
@@ -38,9 +38,9 @@ class ParaboloidMap:
     border : int
         Texels beyond the disc on each side, at least 1.
     center : {"reflection", "normal"}
-        The central direction that it is looked up in.
+        The central direction at which it is looked up.
     factor : (T, 1 or 3) float64, optional
-        What it is multiplied by, uniform in theta_v over [0, pi/2]: that of a `shrm.lobes.factored` lobe.
+        Factor of the radiance, uniform in theta_v over [0, pi/2]: that of a `shrm.lobes.factored` lobe.
 
     Raises
     ------
@@ -88,8 +88,12 @@ class ParaboloidMap:
             result[seen] += weight[seen, None] * _bilinear(face, place[seen])
         return result
 
+    def __repr__(self) -> str:
+        return f"<ParaboloidMap about the {self.center}: {self.size} texels, a border of {self.border}>"
+
 
 def _bilinear(face: Float32Array, positions: FloatArray) -> FloatArray:
+    """Return the pixels of a face at positions (n, 2) in texels; (n, 3)."""
     last = len(face) - 1
     corner = np.floor(positions - 0.5)
     x, y = (positions - 0.5 - corner).T[:, :, None]
@@ -110,15 +114,14 @@ class ParaboloidMaps:
     Raises
     ------
     TypeError, ValueError
-        If there is none, or one is no `ParaboloidMap`.
+        If there are none, or one is not a `ParaboloidMap`.
     """
 
     def __init__(self, maps: Sequence[ParaboloidMap]) -> None:
         if not maps:
             raise ValueError("maps must be at least one, got none")
-        for found in maps:
-            if not isinstance(found, ParaboloidMap):
-                raise TypeError(f"maps must be of ParaboloidMap, got {type(found).__name__}")
+        for map in maps:
+            require_instance("maps", map, ParaboloidMap, what="of ParaboloidMap")
         self.maps = tuple(maps)
 
     def radiance(
@@ -145,11 +148,14 @@ class ParaboloidMaps:
         n = unit_vectors("normals", normals)
         v = unit_vectors("views", views, len(n))
         theta_v = across(n, v)[1]
-        # Normals that face away: the reflection is two-sided, about the normal V is brought to the horizon.
-        of_center = {"reflection": np.minimum(theta_v, np.pi - theta_v), "normal": theta_v}
+        # Of normals that face away the reflection is two-sided; about the normal V is brought to the horizon.
+        theta_of_center = {"reflection": np.minimum(theta_v, np.pi - theta_v), "normal": theta_v}
         total = sum(
-            factor_at(part.factor, of_center[part.center])
+            factor_at(part.factor, theta_of_center[part.center])
             * part.about(central_directions(part.center, n, v, n))
             for part in self.maps
         )
         return np.asarray(total, np.float32)
+
+    def __repr__(self) -> str:
+        return f"<ParaboloidMaps: {len(self.maps)}, about the {', '.join(map.center for map in self.maps)}>"

@@ -226,5 +226,5 @@ def _draw(exponents: tuple[int, ...], measured: dict[int, dict[Filter, Speed]]) 
         panel.set(xscale="log", yscale="log", xlabel="Phong exponent s")
         plain_log(panel.xaxis, subs=(1.0, 2.0, 5.0))
         plain_log(panel.yaxis, subs=(1.0, 2.0, 5.0))
-        panel.legend(frameon=False, fontsize=8)
+        panel.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
     return figure

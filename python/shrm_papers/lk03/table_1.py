@@ -119,7 +119,8 @@ def _draw(judged: Sequence[Judged]) -> Figure:
         ]
         panel.plot(*zip(*papers, strict=True), "D", color=COLORS[3], label="[LK03]", linestyle="")
         for place, speed, way in zip(y, speeds, ways, strict=True):
-            panel.text(1.15 * speed, place, f"{way.snr:.1f} dB", va="center", fontsize=8)
+            error = f"{way.snr:.1f} dB" if np.isfinite(way.snr) else "exact"
+            panel.text(1.15 * speed, place, error, va="center", fontsize=8)
 
         panel.set(xscale="log", xlabel="frames per second", xlim=(1.0, fastest))
         panel.set_yticks(y, [way.method for way in ways], fontsize=8)

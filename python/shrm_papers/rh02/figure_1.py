@@ -321,11 +321,11 @@ def _milliseconds(light: Environment, brdf: BRDF, rm: ReflectionMap) -> float:
 
 
 def _draw(pictures: Sequence[npt.NDArray[np.uint8]], captions: Sequence[str]) -> Figure:
-    """Lay panels side by side without resampling, their captions below."""
+    """Lay panels side by side, their captions below; the smaller panels of quick runs are enlarged."""
     from matplotlib.figure import Figure
 
     dpi, gap, below = 150, 6, 64  # pixels: between panels, and for captions
-    height, width, _ = pictures[0].shape
+    width, height = PANEL
     full_width, full_height = len(pictures) * (width + gap) - gap, height + below
     figure = Figure(figsize=(full_width / dpi, full_height / dpi), dpi=dpi)
     for k, (picture, text) in enumerate(zip(pictures, captions, strict=True)):

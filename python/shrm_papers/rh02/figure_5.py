@@ -126,8 +126,10 @@ def _draw(pictures: dict[tuple[int, int], Picture], highest: dict[tuple[int, int
 
     frequencies = list(dict.fromkeys(F for F, _ in pictures))
     n = len(frequencies)
-    figure = Figure(figsize=(1.4 * n + 0.6, 1.4 * n + 0.6))
-    left, top, extent = 0.09, 0.92, 0.9
+    side = 1.4 * n + 0.6  # inches
+    figure = Figure(figsize=(side, side))
+    # In parts of the side: 0.68 inches for labels at the left, 0.6 above
+    left, top, extent = 0.68 / side, 1 - 0.6 / side, 1 - 0.76 / side
     grid = figure.add_gridspec(
         n, n, left=left, right=left + extent, bottom=top - extent, top=top, wspace=0.0, hspace=0.0
     )
@@ -143,8 +145,8 @@ def _draw(pictures: dict[tuple[int, int], Picture], highest: dict[tuple[int, int
                 axes.set_ylabel(f"F = {F_L}", fontsize=10)
 
     # Axes, and between two delimiters the cells whose smaller F is the same
-    figure.text(left + extent / 2, 0.97, "material: more diffuse →", ha="center", fontsize=11)
-    figure.text(0.02, top - extent / 2, "← light: more blurred", va="center", rotation=90, fontsize=11)
+    figure.text(left + extent / 2, 1 - 0.23 / side, "material: more diffuse →", ha="center", fontsize=11)
+    figure.text(0.15 / side, top - extent / 2, "← light: more blurred", va="center", rotation=90, fontsize=11)
     for k in range(1, n):
         x, y = left + extent * k / n, top - extent * k / n
         figure.add_artist(Line2D([left, x, x], [y, y, top], color=YELLOW, linewidth=2.5))
