@@ -69,13 +69,13 @@ class Prefilter:
 
     @method_takes(Request)
     def __init__(self, request: Request) -> None:
-        self._request = request
         self._expansion = expansion_for(request)
         self.map = reflection_map(request, self._expansion)
         assert isinstance(self.map.prediction, Prediction)
         self._cores_error = self.map.prediction.cores
-        # The material, the light as it was given, and how that has been turned since.
+        # The material and where its lobes are put, the light as it was given, and how it is turned.
         self._material = request.brdf
+        self._center = request.center
         self._env = request.env
         self._rotation: FloatArray | None = None
         self._light = request.env.coefficients(self.map.F).copy()
@@ -173,7 +173,7 @@ class Prefilter:
                 "brdf cannot change beside a residual, which is split off for one: prefilter anew"
             )
         require_brdf(brdf)
-        material = centered(brdf, self._request.center)
+        material = centered(brdf, self._center)
         kinds = [(type(lobe), lobe.center) for lobe in material.lobes]
         if kinds != [(type(lobe), lobe.center) for lobe in self._material.lobes]:
             raise ValueError(f"brdf must have lobes as those of {self._material!r}, got {material!r}")
