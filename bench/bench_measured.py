@@ -1,6 +1,5 @@
 """Measured materials: reading and preparing their files, prefiltering, and errors beside the predicted."""
 
-import sys
 import time
 import warnings
 from collections.abc import Callable
@@ -15,10 +14,7 @@ from limits import threads
 from processes import found_by
 from shrm import Environment, ImageWarning, ToleranceWarning, brdf, prefilter
 from shrm.frequency.reflection_map import ReflectionMap
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))  # the judge of the tests
-import oracles
-import sharp_oracle
+from support import oracles, sharp_oracle  # the judges of the tests
 
 Row = dict[str, Any]
 Noted = Callable[[Callable[[], list[Row]]], None]

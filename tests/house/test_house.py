@@ -79,6 +79,19 @@ def test_files_that_a_page_names_are_there(page: str) -> None:
         assert (ROOT / name).exists() or list(ROOT.glob(f"{name}.*")), f"{page} names {name}"
 
 
+@pytest.mark.slow
+def test_the_benchmarks_can_be_collected() -> None:
+    """Nothing else imports them: a name that has moved would show first when they are wanted."""
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "bench", "--collect-only", "--quiet"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        stdin=subprocess.DEVNULL,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_importing_the_package_and_the_command_is_light() -> None:
     """Plots, meshes, windows and progress bars are loaded by the commands that need them."""
     code = "import sys, json, shrm, shrm.cli; print(json.dumps(sorted(sys.modules)))"
