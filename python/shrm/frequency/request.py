@@ -128,14 +128,15 @@ def takes(
     request: Callable[Arguments, Request],
 ) -> Callable[[Callable[[Request], Result]], Callable[Arguments, Result]]:
     """Give a function of a request the request's own arguments, in help and to type checkers too."""
+    signature = inspect.signature(request)
 
     def decorated(function: Callable[[Request], Result]) -> Callable[Arguments, Result]:
         @wraps(function)
         def with_arguments(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
-            _require_arguments(function.__name__, request, args, kwargs)
+            _require_arguments(function.__name__, signature, args, kwargs)
             return function(request(*args, **kwargs))
 
-        _show_arguments(with_arguments, request)
+        _show_arguments(with_arguments, signature)
         return with_arguments
 
     return decorated
@@ -145,33 +146,36 @@ def method_takes(
     request: Callable[Arguments, Request],
 ) -> Callable[[Callable[[Self, Request], Result]], Callable[Concatenate[Self, Arguments], Result]]:
     """Do for a method what `takes` does for a function."""
+    signature = inspect.signature(request)
 
     def decorated(
         method: Callable[[Self, Request], Result],
     ) -> Callable[Concatenate[Self, Arguments], Result]:
         @wraps(method)
         def with_arguments(self: Self, /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
-            _require_arguments(method.__qualname__, request, args, kwargs)
+            _require_arguments(method.__qualname__, signature, args, kwargs)
             return method(self, request(*args, **kwargs))
 
-        _show_arguments(with_arguments, request, inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY))
+        _show_arguments(
+            with_arguments, signature, inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)
+        )
         return with_arguments
 
     return decorated
 
 
 def _require_arguments(
-    name: str, request: Callable[..., Request], args: tuple[Any, ...], kwargs: dict[str, Any]
+    name: str, signature: inspect.Signature, args: tuple[Any, ...], kwargs: dict[str, Any]
 ) -> None:
     """Refuse arguments that a request has not, by the name of what was called."""
     try:
-        inspect.signature(request).bind(*args, **kwargs)
+        signature.bind(*args, **kwargs)
     except TypeError as fault:
         raise TypeError(f"{name}() {fault}") from None
 
 
-def _show_arguments(function: Any, request: Callable[..., Request], *first: inspect.Parameter) -> None:
+def _show_arguments(function: Any, signature: inspect.Signature, *first: inspect.Parameter) -> None:
     """Make `help` show the arguments of a request, after others, and what the function returns."""
-    parameters = [*first, *inspect.signature(request).parameters.values()]
+    parameters = [*first, *signature.parameters.values()]
     returns = function.__annotations__.get("return", inspect.Signature.empty)
     function.__signature__ = inspect.Signature(parameters, return_annotation=returns)
