@@ -4,7 +4,7 @@ Models of every kind, about the paper's reflection and about its lobe, against a
 texels' areas, in the measure that the prediction uses: frames of every orientation, cos^2(theta_v) uniform,
 colors pooled. Environments are brought to 64 x 128 texels (the integral then takes seconds, not hours);
 prediction and integral see the same picture. The margin of 1.25 covers the sampling of the mean, about 20%
-of an error whose square has a long tail. `pytest -rP tests/test_natural_light.py` prints the table.
+of an error whose square has a long tail. `pytest -rP tests/frequency/test_natural_light.py` prints the table.
 """
 
 import json

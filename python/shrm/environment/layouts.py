@@ -19,7 +19,7 @@
 ``octahedral``
     (n, n): its center looks up.
 
-Each layout's axes stand in ``cpp/shrm/layouts.hpp``, where they are implemented.
+Each layout's axes stand in ``cpp/shrm/pictures/layouts.hpp``, where they are implemented.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The three steps of [RH02] appendix C: coefficients of light and material, their product, synthesis. The
 global form is synthesised at once, as an ordinary band-limited function (see
-`cpp/shrm/map_coefficients.hpp`).
+`cpp/shrm/reflection/map_coefficients.hpp`).
 """
 
 from __future__ import annotations
