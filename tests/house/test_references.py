@@ -17,7 +17,8 @@ NAME = re.compile(r"(?<![\w./-])(shrm(?:_papers)?(?:\.[A-Za-z_]\w*)+)")
 def mentions(pattern: re.Pattern[str]) -> list[str]:
     """Return what the texts speak of, without the changelog, which names what is gone."""
     paths = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*") if path.suffix in TEXTS]
-    texts = [path.read_text(encoding="utf-8") for path in [*paths, ROOT / "README.md"]]
+    paths = [path for path in [*paths, ROOT / "README.md"] if path != Path(__file__)]
+    texts = [path.read_text(encoding="utf-8") for path in paths]
     return sorted({mention for text in texts for mention in pattern.findall(text)})
 
 
