@@ -12,9 +12,11 @@ from shrm.cli.console import interrupts_afterwards
 from shrm.image_io import write_image
 from shrm.render import Mesh
 from shrm.transfer import RadianceTransfer, Route, precompute
+from shrm.transfer.variant import VARIANTS
 
 Command = Callable[..., tuple[int, str, str]]
 FEW = ("--directions", "128", "--tents", "5", "--route", "direct")
+EVERY_VARIANT = [word for name in VARIANTS for word in ("--variant", name)]
 
 
 @pytest.fixture
@@ -36,7 +38,16 @@ def test_the_command_makes_what_the_library_makes(
 ) -> None:
     out = tmp_path / "spheres.shrt"
     status, said, err = shrm(
-        "transfer", mesh_file, "--brdf", "ashikhmin-shirley:nu=40,nv=10", "--bounces", "2", *FEW, "-o", out
+        "transfer",
+        mesh_file,
+        "--brdf",
+        "ashikhmin-shirley:nu=40,nv=10",
+        *EVERY_VARIANT,
+        "--bounces",
+        "2",
+        *FEW,
+        "-o",
+        out,
     )
     assert (status, err) == (0, "")
     assert "5 x 5 tents" in said
@@ -47,7 +58,7 @@ def test_the_command_makes_what_the_library_makes(
         Mesh.read(mesh_file),
         brdf.AshikhminShirley(40, 10),
         directions=128,
-        M=5,
+        tents=5,
         route=Route(),
         bounces=2,
         variants=["unshadowed", "shadowed", "interreflected"],
@@ -74,7 +85,7 @@ def test_a_mask_has_the_second_material_where_it_is_white(
     picture[:, 32:] = 1
     write_image(mask, picture)
     command = ("transfer", mesh_file, "--brdf", "lambert:0.2", "--brdf", "lambert:0.8", "--mask", mask)
-    assert shrm(*command, "--no-shadows", *FEW, "-o", out)[0] == 0
+    assert shrm(*command, "--variant", "unshadowed", *FEW, "-o", out)[0] == 0
     white = np.zeros((25, 3))
     white[0] = np.sqrt(4 * np.pi)
     made = RadianceTransfer.load(out)
@@ -88,10 +99,10 @@ def test_a_mask_has_the_second_material_where_it_is_white(
 def test_what_is_kept_is_chosen(shrm: Command, mesh_file: pathlib.Path, tmp_path: pathlib.Path) -> None:
     out = tmp_path / "chosen.shrt"
     command = ("transfer", mesh_file, "--brdf", "phong:10", "--directions", "128", "--order", "3")
-    options = ("--clusters", "4", "--components", "2", "--tents", "4", "--route", "3,8", "--uncompressed")
+    options = ("--clusters", "4", "--components", "2", "--tents", "4", "--route", "3,8", "--matrices")
     assert shrm(*command, *options, "--tangents", "uv", "-o", out)[0] == 0
     made = RadianceTransfer.load(out)
-    assert (made.n, made.M, made.report["path"]) == (3, 4, "order 3, views of order 8")
+    assert (made.n, made.M, made.report["route"]) == (3, 4, "order 3, views of order 8")
     shadowed = made.variants["shadowed"]
     assert shadowed.components.shape == (4, 2, 16, 1, 9)
     assert shadowed.matrices.shape == (len(made.vertices), 16, 1, 9)
@@ -108,7 +119,7 @@ def test_a_computation_that_was_stopped_goes_on(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr("shrm.transfer.precomputation.Precomputation.compressed", stop)
+        patched.setattr("shrm.transfer.precomputation.Precomputation.compress", stop)
         assert shrm(*command)[0] == 130
     assert not out.exists()
     assert work.is_dir()
@@ -123,7 +134,7 @@ def test_files_of_others_in_the_work_folder_stay(
     shrm: Command, mesh_file: pathlib.Path, tmp_path: pathlib.Path
 ) -> None:
     work, scratch = tmp_path / "own.shrt.work", tmp_path / "scratch"
-    command = ("transfer", mesh_file, "--brdf", "phong:10", "--uncompressed", "--bounces", "1", *FEW, "-o")
+    command = ("transfer", mesh_file, "--brdf", "phong:10", "--matrices", *EVERY_VARIANT, *FEW, "-o")
     work.mkdir()
     (work / "notes.txt").write_text("kept")
     assert shrm(*command, tmp_path / "own.shrt")[0] == 0
@@ -192,7 +203,10 @@ def test_an_interrupt_that_an_import_would_swallow_comes_after_it() -> None:
         (("--brdf", "phong:10", "--albedo", "0.5"), "--albedo"),
         (("--brdf", "phong:10", "--brdf", "phong:20"), "--mask"),
         (("--brdf", "phong:10", "--route", "8,8,8"), "direct, published, S or S,M"),
-        (("--brdf", "phong:10", "--no-shadows", "--bounces", "1"), "--bounces"),
+        (
+            ("--brdf", "phong:10", "--bounces", "1"),
+            "--bounces: only allowed with argument --variant interreflected",
+        ),
         (("--brdf", "phong"), "--brdf"),
         (("--brdf", "phong:10", "-o", "object.exr"), ".shrt"),
     ],
@@ -210,10 +224,10 @@ def test_a_wrong_command_line_is_one_line(
     ("arguments", "said"),
     [
         (("--accuracy", "100"), "accuracy"),
-        (("--tents", "1"), "M must be"),
-        (("--order", "11"), "n must be"),
+        (("--tents", "1"), "tents must be"),
+        (("--order", "11"), "order must be"),
         (("--directions", "3"), "directions"),
-        (("--albedo", "2", "--bounces", "1", "--directions", "64", "--tents", "3"), "albedo"),
+        (("--albedo", "2", "--variant", "interreflected", "--directions", "64", "--tents", "3"), "albedo"),
     ],
 )
 def test_values_out_of_range_are_one_line(

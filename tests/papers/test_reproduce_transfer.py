@@ -192,7 +192,7 @@ def test_precomputing_casts_no_ray_twice(monkeypatch):
         compute(visibility, progress)
 
     monkeypatch.setattr(Visibility, "compute", noted)
-    this.precomputed(brdf.Lambert(1.0), M=3, route=Route(), K=2)
+    this.precomputed(brdf.Lambert(1.0), tents=3, route=Route(), components=2)
     assert finished == [(this.visibility.blocks, this.visibility.blocks)]
 
 
@@ -240,7 +240,9 @@ def test_compression_is_worse_with_gloss_and_shadows():
 
 
 def test_unshadowed_components_are_those_of_frames_of_two_angles():
-    made = shadowing().precomputed(brdf.AshikhminShirley(40, 10), M=4, route=Route(inner=n), K=82, half=False)
+    made = shadowing().precomputed(
+        brdf.AshikhminShirley(40, 10), tents=4, route=Route(inner=n), components=82, half=False
+    )
     snr = made.report["compression"]["unshadowed"]["SNR of 1 to K"]
     assert snr[79] < 100 < 120 < snr[80]  # what remains after 81 is rounding, of float32 frames
 
@@ -250,7 +252,7 @@ KINDS = [(material, shadows) for material in ("glossy", "matt") for shadows in (
 
 def test_the_energy_of_weights_is_that_of_radiance():
     this = shadowing()
-    made = this.precomputed(brdf.GGX(0.5), M=4, route=Route(), K=9, half=False, matrices=True)
+    made = this.precomputed(brdf.GGX(0.5), tents=4, route=Route(), components=9, half=False, matrices=True)
     for name, variant in made.variants.items():
         A = np.asarray(variant.matrices, float)[:, :, 0]
         exact = np.einsum("pti,ts,psi->", A, DirectionalBasis(4).gram(), A) / len(A) / n**2

@@ -16,7 +16,15 @@ ALL = ("unshadowed", "shadowed", "interreflected")
 
 def transferred(mesh: Mesh, material: Any, **options: Any) -> RadianceTransfer:
     """Something small, all of it fixed and kept, unless options say otherwise."""
-    small = {"n": 3, "M": 5, "route": Route(), "directions": 256, "K": 8, "half": False, "matrices": True}
+    small = {
+        "order": 3,
+        "tents": 5,
+        "route": Route(),
+        "directions": 256,
+        "components": 8,
+        "half": False,
+        "matrices": True,
+    }
     return precompute(Surface(*mesh), material, **{**small, **options})
 
 

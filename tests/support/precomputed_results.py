@@ -11,7 +11,7 @@ from support.transfer_meshes import Surface, bumpy
 
 def computed() -> RadianceTransfer:
     material = brdf.Lambert((0.2, 0.4, 0.6)) + brdf.GGX(0.6)
-    options = {"n": 3, "directions": 256, "accuracy": 14.0, "bounces": 2}
+    options = {"order": 3, "directions": 256, "accuracy": 14.0, "bounces": 2}
     return precompute(Surface(*bumpy(9, subdivisions=1)), material, variants=ALL, matrices=True, **options)
 
 

@@ -33,7 +33,7 @@ def expected(hands: Hands, path: Path, sky: Path) -> np.ndarray:
     transfer, env = RadianceTransfer.load(path), Environment.read(sky)
     thing = TransferredMesh.placed(transfer)
     light = thing.light(env.coefficients(N - 1), state.R, state.window)
-    lighting = transfer.lighting(state.variant, K=state.components, M=state.tents)
+    lighting = transfer.lighting(state.variant, components=state.components, tents=state.tents)
     lit = thing.lit(lighting, light, state.eye.camera, state.viewer)
     width, height = hands.app.screen.size
     return render([Object(thing.mesh, lit)], state.eye.camera, width, height, samples=3).radiance
@@ -75,9 +75,9 @@ def test_shadows_bounces_and_window_by_keys_and_in_the_panel(opened: Opened, sky
     for does, variant in (
         (lambda: hands.press(glfw.KEY_I), "shadowed"),
         (lambda: hands.press(glfw.KEY_H), "unshadowed"),
-        (lambda: hands.click("bounces"), "interreflected"),
-        (lambda: hands.click("shadows"), "unshadowed"),
-        (lambda: hands.click("shadows"), "shadowed"),
+        (lambda: hands.click("interreflected"), "interreflected"),
+        (lambda: hands.click("shadowed"), "unshadowed"),
+        (lambda: hands.click("shadowed"), "shadowed"),
         (lambda: hands.press(glfw.KEY_I), "interreflected"),
     ):
         does()
@@ -100,8 +100,8 @@ def test_without_other_variants_keys_and_boxes_do_nothing(opened: Opened, tmp_pa
     before = hands.look()
     hands.press(glfw.KEY_H)
     hands.press(glfw.KEY_I)
-    hands.click("shadows")
-    hands.click("bounces")
+    hands.click("shadowed")
+    hands.click("interreflected")
     assert same(hands.look(), before)
     assert hands.app.fault == ""
 
@@ -110,12 +110,12 @@ def test_without_other_variants_keys_and_boxes_do_nothing(opened: Opened, tmp_pa
 def test_components_and_tents_by_sliders(opened: Opened, sky: Path, file: Path) -> None:
     hands = opened(WHOLE_PANEL, transfer=str(file))
     app, before = hands.app, hands.look()
-    for name, of_state, least, most in (("K", "components", 1, COMPONENTS), ("M", "tents", 2, M)):
+    for name, least, most in (("components", 1, COMPONENTS), ("tents", 2, M)):
         pictures = []
         for share, value in ((0.0, least), (0.999, most)):
             hands.drag(glfw.MOUSE_BUTTON_LEFT, hands.place(name, 0.5), hands.place(name, share))
             hands.settle()
-            assert getattr(app.state, of_state) == value
+            assert getattr(app.state, name) == value
             pictures.append(hands.look())
         assert not same(pictures[0], before)
         assert same(pictures[1], before)

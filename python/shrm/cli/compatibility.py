@@ -30,12 +30,12 @@ class Rule(NamedTuple):
 
 
 def given(options: argparse.Namespace) -> set[str]:
-    """Return the flags whose values are not the default, alone and followed by their value."""
+    """Return the flags whose values are not the default, alone and with their value or each of several."""
     flags: set[str] = set()
     for name, value in vars(options).items():
         if value != options.parser.get_default(name):
             flag = f"--{name.replace('_', '-')}"
-            flags |= {flag, f"{flag} {value}"}
+            flags |= {flag, *(f"{flag} {each}" for each in (value if isinstance(value, list) else [value]))}
     return flags
 
 

@@ -177,7 +177,7 @@ def transfer_lines(path: str) -> list[str]:
     transfer = RadianceTransfer.load(path)
     snr = transfer.report.get("SNR of matrices")
     accuracy = "exact" if snr is None else f"{snr:.1f} dB"
-    route = transfer.report.get("path", "an unknown route")
+    route = transfer.report.get("route", "an unknown route")
     from_rays = "straight from rays" if route == "direct" else f"by way of {route}"
     lines = [
         f"  {len(transfer.vertices)} vertices, {len(transfer.faces)} faces",

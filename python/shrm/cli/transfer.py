@@ -18,6 +18,7 @@ from shrm.cli.compatibility import Rule, given, require_compatible
 from shrm.cli.console import stages
 from shrm.cli.options import (
     MATERIAL,
+    VARIANTS,
     add_extrapolate,
     add_output,
     add_tangents,
@@ -36,11 +37,11 @@ if TYPE_CHECKING:
 
 EXAMPLE = "shrm transfer armadillo.obj --brdf ashikhmin-shirley:nu=40,nv=10 -o armadillo.shrt"
 
-RULES = {
-    "--bounces": Rule(excludes=("--no-shadows",)),
-    "--albedo": Rule(needs=("--bounces",)),
-}
+RULES = dict.fromkeys(("--bounces", "--albedo"), Rule(needs=("--variant interreflected",)))
 """Which options go together."""
+
+PRECOMPUTED = ("unshadowed", "shadowed")
+"""The variants that are precomputed unless others are named."""
 
 # ---- Options
 
@@ -86,13 +87,20 @@ def _add_light(group: Arguments) -> None:
         type=values.count,
         default=4096,
         metavar="D",
-        help="rays over a sphere (default: 4096)",
+        help="directions over a sphere, in which rays are cast (default: 4096)",
+    )
+    group.add_argument(
+        "--variant",
+        choices=VARIANTS,
+        action="append",
+        help="light that nothing hides, that the object hides, or that its parts also send each other; repeat"
+        f" for several (default: {' and '.join(PRECOMPUTED)})",
     )
     group.add_argument(
         "--bounces",
         type=values.count,
         metavar="B",
-        help="diffuse reflections between parts of the object (default: none)",
+        help="diffuse reflections between parts of the object, for --variant interreflected (default: 1)",
     )
     group.add_argument(
         "--albedo",
@@ -100,7 +108,6 @@ def _add_light(group: Arguments) -> None:
         metavar="A",
         help="albedo of these reflections, 0 to 1 (default: that of the material)",
     )
-    group.add_argument("--no-shadows", action="store_true", help="let the light reach every vertex")
 
 
 def _add_compression(group: Arguments) -> None:
@@ -137,7 +144,7 @@ def _add_compression(group: Arguments) -> None:
         metavar="Q",
         help="clusters of vertices, each with K components of its own (default: 1; K is 3 unless given)",
     )
-    group.add_argument("--uncompressed", action="store_true", help="keep the matrices, too")
+    group.add_argument("--matrices", action="store_true", help="keep the uncompressed matrices as well")
 
 
 def route(text: str) -> tuple[int, ...] | str:
@@ -192,30 +199,20 @@ def _precomputed(options: argparse.Namespace, materials: list[BRDF], work: pathl
             materials if options.mask else materials[0],
             shares=_shares(options.mask, mesh) if options.mask else None,
             tangents=mesh.vertex_tangents,
-            n=options.order,
+            order=options.order,
             directions=options.directions,
-            variants=_variants(options),
-            bounces=options.bounces or 1,
+            variants=options.variant or PRECOMPUTED,
+            bounces=options.bounces,
             albedo=options.albedo,
             accuracy=options.accuracy,
-            M=options.tents,
+            tents=options.tents,
             route=_route(options.route, options.order),
-            K=options.components,
+            components=options.components,
             clusters=options.clusters,
-            matrices=options.uncompressed,
+            matrices=options.matrices,
             work=work,
             progress=progress,
         )
-
-
-def _variants(options: argparse.Namespace) -> list[str]:
-    """Return the names of the variants that are precomputed."""
-    names = ["unshadowed"]
-    if not options.no_shadows:
-        names.append("shadowed")
-    if options.bounces is not None:
-        names.append("interreflected")
-    return names
 
 
 def _shares(mask: str, mesh: Mesh) -> FloatArray:

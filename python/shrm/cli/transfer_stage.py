@@ -47,7 +47,10 @@ def open_transfer(
     with progress("Opening the object"):
         transfer = RadianceTransfer.load(path)
         try:
-            lighting = [transfer.lighting(name, K=options.components, M=options.tents) for name in variants]
+            lighting = [
+                transfer.lighting(name, components=options.components, tents=options.tents)
+                for name in variants
+            ]
         except ValueError as fault:
             raise argparse.ArgumentError(None, f"{path}: {fault}") from None
     return transfer, lighting

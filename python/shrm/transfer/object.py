@@ -113,30 +113,34 @@ class RadianceTransfer:
 
     # ---- Radiance
 
-    def lighting(self, variant: str | None = None, *, K: int | None = None, M: int | None = None) -> Lighting:
+    def lighting(
+        self, variant: str | None = None, *, components: int | None = None, tents: int | None = None
+    ) -> Lighting:
         """Return what lights the vertices: from components where there are some, else from the matrices.
 
         Parameters
         ----------
         variant : str, optional
             By default the most complete one.
-        K : int, optional
-            How many components, 1 to those there are; by default all.
-        M : int, optional
-            Tents along a side, 2 to the object's: components are projected on fewer, which is kept for the
-            next time. Matrices are not.
+        components : int, optional
+            How many components are used, K from 1 to those that there are; by default all.
+        tents : int, optional
+            Tents along a side, from 2 to the object's M: components are projected on fewer, which is kept
+            for the next time. Matrices are not.
 
         Raises
         ------
         TypeError, ValueError
-            If there is no such variant, or K or M is out of range.
+            If there is no such variant, or as many components or tents.
         """
-        name, one, K, M = self._chosen(variant, K, M)
-        if one.weights is None:
-            assert one.matrices is not None
-            return Tents(self.vertices, self.frames, one.matrices)
-        components = self._components(name, one, M)
-        return Compressed(self.vertices, self.frames, one.weights, components, one.clusters, K)
+        name, K, M = self._chosen(variant, components, tents)
+        held = self.variants[name]
+        if held.weights is None:
+            assert held.matrices is not None
+            return Tents(self.vertices, self.frames, held.matrices)
+        return Compressed(
+            self.vertices, self.frames, held.weights, self._components(name, M), held.clusters, K
+        )
 
     def radiance(
         self,
@@ -145,33 +149,50 @@ class RadianceTransfer:
         eye: npt.ArrayLike | None = None,
         view: npt.ArrayLike | None = None,
         variant: str | None = None,
-        K: int | None = None,
-        M: int | None = None,
+        components: int | None = None,
+        tents: int | None = None,
     ) -> Float32Array:
-        """Return the radiance (V, 3) of the vertices towards an eye or along a view, under light (n^2, 3).
+        """Return the radiance of the vertices; what lights them is kept for the next call.
 
-        As `lighting`, whose result is kept for the next call.
+        Parameters
+        ----------
+        light : (n^2, 3) array_like
+            Coefficients of the light, see `Lighting.radiance`.
+        eye, view : (3,) array_like
+            The position of a near viewer, or the unit vector to a distant one.
+        variant, components, tents
+            What of the transfer is used, see `lighting`.
+
+        Returns
+        -------
+        (V, 3) float32
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not as described, or not one of `eye` and `view` is given.
         """
-        name, _, K, M = self._chosen(variant, K, M)
+        name, K, M = self._chosen(variant, components, tents)
         if self._lit is None or self._lit[0] != (name, M):
-            self._lit = (name, M), self.lighting(name, M=M)
+            self._lit = (name, M), self.lighting(name, tents=M)
         lighting = self._lit[1]
         if isinstance(lighting, Compressed):
             lighting.K = K
         return np.asarray(lighting.radiance(light, eye=eye, view=view))
 
-    def _chosen(self, variant: str | None, K: int | None, M: int | None) -> tuple[str, Variant, int, int]:
+    def _chosen(self, variant: str | None, components: int | None, tents: int | None) -> tuple[str, int, int]:
+        """Return the name of a variant, K and M, those that are not given as large as there are."""
         name = max(self.variants, key=VARIANTS.index) if variant is None else variant
         one_of("variant", name, self.variants)
-        one = self.variants[name]
-        M = self.M if M is None else whole_number("M", M, 2, self.M)
-        if one.weights is None and (K is not None or self.M != M):
-            raise ValueError(f"{name} is not compressed: it has no components for another K or M")
-        return name, one, one.K if K is None else whole_number("K", K, 1, one.K), M
+        held = self.variants[name]
+        M = self.M if tents is None else whole_number("tents", tents, 2, self.M)
+        if held.weights is None and (components is not None or self.M != M):
+            raise ValueError(f"variant must be compressed where components or tents are given, got {name}")
+        return name, held.K if components is None else whole_number("components", components, 1, held.K), M
 
-    def _components(self, name: str, variant: Variant, M: int) -> RealArray:
-        """Components (..., M^2, C, n^2) in float32 on the coarser tents of M."""
-        components = np.asarray(variant.components, np.float32)
+    def _components(self, name: str, M: int) -> RealArray:
+        """Return a variant's components (..., M^2, C, n^2) in float32, on coarser tents if M is smaller."""
+        components = np.asarray(self.variants[name].components, np.float32)
         if self.M == M:
             return components
         if (name, M) not in self._coarser:

@@ -21,19 +21,17 @@ import numpy.typing as npt
 from shrm.arrays import Float32Array, FloatArray, Int32Array
 from shrm.brdf import BRDF
 from shrm.files import PathLike
-from shrm.transfer.compression.clusters import clustered
+from shrm.transfer.compression.choice import principal_components
 from shrm.transfer.compression.components import PrincipalComponents
-from shrm.transfer.compression.compression import factored, streamed
 from shrm.transfer.lighting.surface import MOST_ORDER, MOST_TENTS
 from shrm.transfer.matrices.accuracy import Sample, chosen
 from shrm.transfer.matrices.materials import Materials
-from shrm.transfer.matrices.matrices import Factors, Matrices
 from shrm.transfer.matrices.product import Product, Route, product
+from shrm.transfer.matrices.vertex_matrices import Factors, Matrices
 from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.rays.bounces import MOST_BOUNCES, albedos, leaving
 from shrm.transfer.rays.directions import FEWEST_DIRECTIONS, MOST_DIRECTIONS, local_directions
-from shrm.transfer.rays.rays import Occluders, mesh_faces, rows
-from shrm.transfer.rays.stored import read
+from shrm.transfer.rays.occluders import Occluders, mesh_faces, rows
 from shrm.transfer.rays.visibility import Visibility
 from shrm.transfer.tangent_frames import vertex_frames
 from shrm.transfer.variant import VARIANTS, Variant
@@ -50,18 +48,6 @@ SAMPLE = 48
 
 _FINER = 4
 """Rays that such a vertex casts for the reference, over those of the computation."""
-
-_COORDINATES = 256
-"""Global components whose coordinates the clusters are found among."""
-
-_COMPONENTS_OF_A_CLUSTER = 3
-"""Components of a cluster where their number is not given."""
-
-_FACTORED_COLUMNS = 2048
-"""Columns up to which exact components are found as fast as random ones."""
-
-_BLOCK = 1024
-"""Vertices whose matrices are read at once for compression."""
 
 _RAYS = ("rays", "rays with hits")
 """Names of the folders of visibility in the one for work: without hits, and with them."""
@@ -99,8 +85,8 @@ class Precomputation:
         The mesh, checked.
     uv : (V, 2) float32 or None
     materials : Materials
-    rays : (D, 3) float64
-        Local directions in which every vertex casts its rays.
+    local_directions : (D, 3) float64
+        Directions in which every vertex casts its rays, in its own frame.
 
     Raises
     ------
@@ -114,15 +100,15 @@ class Precomputation:
     brdf: BRDF | Sequence[BRDF]
     shares: npt.ArrayLike | None
     tangents: npt.ArrayLike | None
-    n: int
+    order: int
     directions: int
     variants: Sequence[str]
-    bounces: int
+    bounces: int | None
     albedo: npt.ArrayLike | None
     accuracy: float
-    M: int | None
+    tents: int | None
     route: Route | None
-    K: int | None
+    components: int | None
     clusters: int | None
     half: bool
     matrices: bool
@@ -134,34 +120,47 @@ class Precomputation:
     frames: FloatArray = field(init=False)
     uv: Float32Array | None = field(init=False)
     materials: Materials = field(init=False)
-    rays: FloatArray = field(init=False)
+    local_directions: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
         self._check_mesh()
-        V = len(self.vertices)
-
-        # What light and material are, and which variants
-        self.materials = Materials.of(self.brdf, self.shares, V)
-        self.n = whole_number("n", self.n, 1, MOST_ORDER)
-        self.variants = _variants_in_order(self.variants)
-        self.bounces = whole_number("bounces", self.bounces, 1, MOST_BOUNCES)
-        if self.albedo is not None:
-            albedos(self.albedo, V)
-        self.rays = local_directions(
-            whole_number("directions", self.directions, FEWEST_DIRECTIONS, MOST_DIRECTIONS)
-        )
-
-        # How accurate, how large
-        self.accuracy = number("accuracy", self.accuracy, 0.0, MOST_ACCURACY)
-        self.M = None if self.M is None else whole_number("M", self.M, 2, MOST_TENTS)
-        if self.route is not None:
-            require_instance("route", self.route, Route, what="a shrm.transfer.Route")
-        self.K = None if self.K is None else whole_number("K", self.K, 1)
-        if self.clusters is not None:
-            self.clusters = whole_number("clusters", self.clusters, 1, V)
-        self.half, self.matrices = flag("half", self.half), flag("matrices", self.matrices)
+        self._check_light()
+        self._check_sizes()
         if self.work is not None:
             Path(self.work).mkdir(parents=True, exist_ok=True)
+
+    def _check_light(self) -> None:
+        """Check what light and material are, and the variants with what goes with them."""
+        V = len(self.vertices)
+        self.materials = Materials.of(self.brdf, self.shares, V)
+        self.order = whole_number("order", self.order, 1, MOST_ORDER)
+        self.directions = whole_number("directions", self.directions, FEWEST_DIRECTIONS, MOST_DIRECTIONS)
+        self.local_directions = local_directions(self.directions)
+        self.variants = _variants_in_order(self.variants)
+        if self.bounces is not None:
+            self.bounces = whole_number("bounces", self.bounces, 1, MOST_BOUNCES)
+        if self.albedo is not None:
+            albedos(self.albedo, V)
+
+        # Elsewhere they would be ignored
+        for name in ("bounces", "albedo"):
+            if getattr(self, name) is not None and not self.interreflected:
+                raise ValueError(
+                    f"variants must have interreflected where {name} is given, got {', '.join(self.variants)}"
+                )
+
+    def _check_sizes(self) -> None:
+        """Check how accurate and how large the result is asked to be."""
+        self.accuracy = number("accuracy", self.accuracy, 0.0, MOST_ACCURACY)
+        if self.tents is not None:
+            self.tents = whole_number("tents", self.tents, 2, MOST_TENTS)
+        if self.route is not None:
+            require_instance("route", self.route, Route, what="a shrm.transfer.Route")
+        if self.components is not None:
+            self.components = whole_number("components", self.components, 1)
+        if self.clusters is not None:
+            self.clusters = whole_number("clusters", self.clusters, 1, len(self.vertices))
+        self.half, self.matrices = flag("half", self.half), flag("matrices", self.matrices)
 
     def _check_mesh(self) -> None:
         """Take the arrays of the mesh; frames turn x around the vertical where no tangents are given."""
@@ -202,85 +201,94 @@ class Precomputation:
         UserWarning
             If the accuracy is not reached by what was chosen.
         """
-        M, route, snr = self.tents()
-        if snr < self.accuracy and (self.M is None or self.route is None):
+        # The sizes, which decide how much of everything else there is
+        M, route, snr = self.choose_tents()
+        if snr < self.accuracy and (self.tents is None or self.route is None):
             warnings.warn(
                 f"{M} x {M} tents reach {snr:.1f} dB of the {self.accuracy:g} asked for", stacklevel=3
             )
-        products = self.products(M, route)
+
+        # What the materials make of light, what the vertices see, and what they send each other
+        products = self.make_products(M, route)
         with _folder(self.work) as folder:
-            visibility = self.visibility(folder) if self.hidden else None
-            reflected = self.reflected(visibility, products)
+            visibility = self.cast_rays(folder) if self.hidden else None
+            reflected = self.bounce(visibility, products)
             channels = max(self.materials.channels, 1 if reflected is None else reflected.shape[1])
-            matrices = Matrices(self.frames, self.materials, products, channels, self.n, folder)
+            matrices = Matrices(self.frames, self.materials, products, channels, self.order, folder)
+
+            # The matrices of each variant, compressed
             variants, compression = {}, {}
             for name in self.variants:
-                factors = self.factors(name, matrices, visibility, reflected)
-                components = self.compressed(name, factors)
-                compression[name] = components.report()
+                factors = self.make_factors(name, matrices, visibility, reflected)
+                pca = self.compress(name, factors)
+                compression[name] = pca.report()
                 uncompressed = factors.matrices(folder / f"{name}{_UNCOMPRESSED}") if self.matrices else None
-                variants[name] = Variant(
-                    components.weights, components.components, components.clusters, uncompressed
-                )
+                variants[name] = Variant(pca.weights, pca.components, pca.clusters, uncompressed)
+
         report = {
             "SNR of matrices": round(snr, 2) if np.isfinite(snr) else None,
             "accuracy": self.accuracy,
-            "path": str(route),
+            "route": str(route),
             "directions": self.directions,
-            "bounces": self.bounces if reflected is not None else 0,
+            "bounces": 0 if reflected is None else self._bounces,
             "compression": compression,
         }
-        return self.object(M, channels, variants, report)
+        return self.assemble(M, channels, variants, report)
+
+    @property
+    def _bounces(self) -> int:
+        return 1 if self.bounces is None else self.bounces
 
     # ---- Stages
 
-    def tents(self) -> tuple[int, Route, float]:
+    def choose_tents(self) -> tuple[int, Route, float]:
         """Choose the tents M and the route that the accuracy takes; return them and their SNR in dB.
 
         Raises
         ------
         ValueError
-            If K is larger than matrices of these tents have components.
+            If more components are asked for than matrices of these tents have.
         """
-        choice = chosen(
+        M, route, snr = chosen(
             self.materials.brdfs,
-            self.n,
+            self.order,
             self._sample(),
             self.accuracy,
-            M=self.M,
+            M=self.tents,
             route=self.route,
             progress=self._stage("choosing tents"),
         )
-        if self.K is not None:
-            whole_number("K", self.K, 1, choice[0] ** 2 * self.materials.channels * self.n**2)
-        return choice
+        if self.components is not None:
+            most = M**2 * self.materials.channels * self.order**2
+            whole_number("components", self.components, 1, most)
+        return M, route, snr
 
-    def products(self, M: int, route: Route) -> list[Product]:
-        """Make what each material makes of light along the rays, in tents."""
+    def make_products(self, M: int, route: Route) -> list[Product]:
+        """Make the product of each material: tents from light along the rays."""
         brdfs, stage = self.materials.brdfs, self._stage("materials")
         products: list[Product] = []
         for brdf in brdfs:
             stage(len(products), len(brdfs))
-            products.append(product(brdf, M, self.n, self.rays, route))
+            products.append(product(brdf, M, self.order, self.local_directions, route))
         return products
 
-    def visibility(self, folder: Path) -> Visibility:
+    def cast_rays(self, folder: Path) -> Visibility:
         """Cast the rays of all vertices, with their hits where light is to be reflected."""
         hits = self.interreflected
         visibility = Visibility(
-            folder / _RAYS[hits], self.vertices, self.faces, self.frames, self.rays, hits=hits
+            folder / _RAYS[hits], self.vertices, self.faces, self.frames, self.local_directions, hits=hits
         )
         visibility.compute(self._stage("rays"))
         return visibility
 
-    def reflected(self, visibility: Visibility | None, products: Sequence[Product]) -> Float32Array | None:
+    def bounce(self, visibility: Visibility | None, products: Sequence[Product]) -> Float32Array | None:
         """Bounce light between the vertices: transfer to the radiance (V, C, n^2) that leaves them."""
         if visibility is None or not self.interreflected:
             return None
         albedo = self.materials.albedo(products) if self.albedo is None else self.albedo
-        return leaving(visibility, self.n, albedo, self.bounces, self._stage("bounces"))
+        return leaving(visibility, self.order, albedo, self._bounces, self._stage("bounces"))
 
-    def factors(
+    def make_factors(
         self,
         name: str,
         matrices: Matrices,
@@ -293,16 +301,16 @@ class Precomputation:
         light = reflected if name == "interreflected" else None
         return matrices.shadowed(visibility, light, self._stage(name))
 
-    def compressed(self, name: str, factors: Factors) -> PrincipalComponents:
+    def compress(self, name: str, factors: Factors) -> PrincipalComponents:
         """Find the components of a variant, as many as the accuracy takes or as are asked for."""
         stage = self._stage(f"compressing {name}")
         stage(0, 1)
-        components = _principal_components(factors, self.n, self.accuracy, self.K, self.clusters)
-        components = components.halved() if self.half else components
+        pca = principal_components(factors, self.order, self.accuracy, self.components, self.clusters)
+        pca = pca.halved() if self.half else pca
         stage(1, 1)
-        return components
+        return pca
 
-    def object(
+    def assemble(
         self, M: int, channels: int, variants: dict[str, Variant], report: dict[str, Any]
     ) -> RadianceTransfer:
         """Put the mesh and its variants together."""
@@ -310,7 +318,7 @@ class Precomputation:
             vertices=self.vertices.astype(np.float32),
             faces=self.faces,
             frames=self.frames.astype(np.float32),
-            n=self.n,
+            n=self.order,
             M=M,
             channels=channels,
             variants=variants,
@@ -321,10 +329,15 @@ class Precomputation:
 
     def _sample(self) -> Sample:
         """Choose some vertices of faces, seeded, and cast their rays and more: what hides the light there."""
-        fine = local_directions(min(_FINER * 2 * len(self.rays), MOST_DIRECTIONS))
+        # Where nothing hides the light all vertices are alike
+        fine = local_directions(min(_FINER * 2 * len(self.local_directions), MOST_DIRECTIONS))
         if not self.hidden:
-            coarse_visible, fine_visible = (np.ones((1, len(d)), np.bool_) for d in (self.rays, fine))
-            return Sample(self.rays, coarse_visible, fine, fine_visible)
+            coarse_visible, fine_visible = (
+                np.ones((1, len(d)), np.bool_) for d in (self.local_directions, fine)
+            )
+            return Sample(self.local_directions, coarse_visible, fine, fine_visible)
+
+        # Vertices of no face are seen nowhere
         of_faces = np.unique(self.faces)
         count = min(SAMPLE, len(of_faces))
         where = np.sort(np.random.default_rng(0).choice(of_faces, count, replace=False))
@@ -333,9 +346,9 @@ class Precomputation:
             np.concatenate(
                 [occluders.cast(slice(p, p + 1), self.frames[p : p + 1], d, hits=False)[0] for p in where]
             )
-            for d in (self.rays, fine)
+            for d in (self.local_directions, fine)
         )
-        return Sample(self.rays, coarse_visible, fine, fine_visible)
+        return Sample(self.local_directions, coarse_visible, fine, fine_visible)
 
     def _stage(self, what: str) -> Callable[[int, int], None]:
         """Return what tells the progress of a stage."""
@@ -382,40 +395,6 @@ def _rows_of_vertices(name: str, value: npt.ArrayLike, count: int, width: int) -
     if len(array) != count:
         raise ValueError(f"{name} must have the shape ({count}, {width}), got {array.shape}")
     return array
-
-
-def _principal_components(
-    factors: Factors, n: int, accuracy: float, K: int | None, clusters: int | None
-) -> PrincipalComponents:
-    """Return components of matrices, as many as the accuracy takes or as are asked for."""
-    # Exact ones where one material makes all matrices from few rows
-    outer = factors.outer
-    small = outer is not None and outer.shape[1] * n * n <= _FACTORED_COLUMNS
-    height = factors.tents * factors.channels
-    columns = (min(height, factors.rows.shape[1]) if small else height) * n * n
-    asked: dict[str, Any] = {"accuracy": accuracy} if K is None else {"K": min(K, columns)}
-    if clusters is not None:
-        asked = {"K": min(max(_COORDINATES, K or 0), columns)}
-    if outer is not None and small:
-        P = outer.reshape(factors.tents, factors.channels, -1)
-        components = factored(P, factors.rows, **asked)
-    else:
-        components = streamed(_blocks(factors), **asked)
-    if clusters is None:
-        return components
-    return clustered(components, clusters, min(K or _COMPONENTS_OF_A_CLUSTER, components.K))
-
-
-def _blocks(factors: Factors) -> Callable[[], Iterator[Float32Array]]:
-    """Return what gives the matrices anew, in blocks."""
-
-    def blocks() -> Iterator[Float32Array]:
-        for start in range(0, len(factors.rows), _BLOCK):
-            part = read(factors.rows, slice(start, start + _BLOCK))
-            whole = part if factors.outer is None else np.matmul(factors.outer, part)
-            yield whole.reshape(len(part), factors.tents, factors.channels, -1)
-
-    return blocks
 
 
 @contextmanager

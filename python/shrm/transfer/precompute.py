@@ -19,15 +19,15 @@ def precompute(
     *,
     shares: npt.ArrayLike | None = None,
     tangents: npt.ArrayLike | None = None,
-    n: int = 5,
+    order: int = 5,
     directions: int = 4096,
     variants: Sequence[str] = ("unshadowed", "shadowed"),
-    bounces: int = 1,
+    bounces: int | None = None,
     albedo: npt.ArrayLike | None = None,
     accuracy: float = 24.0,
-    M: int | None = None,
+    tents: int | None = None,
     route: Route | None = None,
-    K: int | None = None,
+    components: int | None = None,
     clusters: int | None = None,
     half: bool = True,
     matrices: bool = False,
@@ -43,32 +43,37 @@ def precompute(
     brdf : BRDF or sequence of BRDF
         The material, anisotropic ones too; or several.
     shares : (V, materials) array_like, optional
-        Of several materials at each vertex, 0 to 10^6: a material for each vertex, or blends, at no cost at
-        run time. Those of a texture are `shrm.render.Mesh.texture_at_vertices`.
+        How much of each of several materials is at each vertex, 0 to 10^6: a material for each vertex, or
+        blends, at no cost at run time. Those of a texture are `shrm.render.Mesh.texture_at_vertices`.
     tangents : (V, 3) array_like, optional
-        At the vertices, for anisotropic materials; by default around the vertical.
-    n : int
-        Order of the light, degrees 0 to n - 1, 1 to 10.
+        Tangents at the vertices, for anisotropic materials; by default around the vertical.
+    order : int
+        Order n of the light, degrees 0 to n - 1, in [1, 10].
     directions : int
-        Rays over a sphere, 16 to 65536; half of them are cast from each vertex.
+        Directions over a sphere, in [16, 65536]; a ray is cast from each vertex along half of them, those
+        over its hemisphere.
     variants : sequence of {"unshadowed", "shadowed", "interreflected"}
-        What is computed. The last has `bounces` diffuse reflections of the object by itself.
-    bounces : int
-        1 to 1000.
+        What is computed: light that nothing hides, that the object hides, and that its parts also send each
+        other.
+    bounces : int, optional
+        Diffuse reflections of the object by itself, in [1, 1000], for "interreflected" alone; 1 if not given.
     albedo : float, (3,), (V,) or (V, 3) array_like, optional
-        Of those reflections, in [0, 1]; by default the material's under uniform light.
+        Albedo of those reflections, in [0, 1], for "interreflected" alone; by default the material's under
+        uniform light.
     accuracy : float
         Relative SNR of outgoing radiance in dB, in [0, 60], that tents and the route are chosen for, against
-        rays; and then, against their matrices, up to 512 components: both together have some 3 dB less. Both
-        are measured (`report`). Components whose number is given by K or clusters have what they have.
-    M : int, optional
-        Tents along a side, instead of choosing.
+        rays; and then components, up to 512, against uncompressed matrices: both together have some 3 dB
+        less. Both SNRs are measured (`RadianceTransfer.report`). Where components or clusters are given, the
+        SNR of the components is what they have.
+    tents : int, optional
+        Tents M along a side of the directional basis, in [2, 33], instead of choosing.
     route : shrm.transfer.Route, optional
         Expansions on the way from rays to tents, instead of choosing.
-    K : int, optional
-        Principal components, instead of choosing; fewer where fewer are exact.
+    components : int, optional
+        Principal components K, instead of choosing; fewer where fewer are exact.
     clusters : int, optional
-        Clusters of vertices with components of their own; K is then those of each, 3 unless given.
+        Clusters of vertices with components of their own; `components` is then the number of each, 3 unless
+        given.
     half : bool
         Whether weights are half floats.
     matrices : bool
@@ -91,22 +96,24 @@ def precompute(
     Raises
     ------
     TypeError, ValueError
-        If an argument is not as described.
+        If an argument is not as described, or bounces or albedo are given without "interreflected".
+    OSError
+        If the folder cannot be written.
     """
     return Precomputation(
         mesh=mesh,
         brdf=brdf,
         shares=shares,
         tangents=tangents,
-        n=n,
+        order=order,
         directions=directions,
         variants=variants,
         bounces=bounces,
         albedo=albedo,
         accuracy=accuracy,
-        M=M,
+        tents=tents,
         route=route,
-        K=K,
+        components=components,
         clusters=clusters,
         half=half,
         matrices=matrices,

@@ -93,7 +93,7 @@ def make(settings: Settings) -> Result:
 
 def _curves(subject: Subject, way: str, name: str, material: brdf.BRDF, route: Route, K: int) -> list[Curve]:
     """Return the curves of one way and material, without shadows and with."""
-    transfer = subject.precomputed(material, M=TENTS, route=route, K=K, half=False)
+    transfer = subject.precomputed(material, tents=TENTS, route=route, components=K, half=False)
     curves = []
     for shadowed, variant in ((False, "unshadowed"), (True, "shadowed")):
         reported = transfer.report["compression"][variant]["SNR of 1 to K"]

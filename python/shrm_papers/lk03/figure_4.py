@@ -113,7 +113,7 @@ def _direct(subject: Subject, case: Case, M: int) -> Lighting:
         rows = product(case.material, M, n, subject.rays, Route()).unshadowed
         return Projection(vertices, frames, rows.reshape(M * M, 1, n * n))
     transfer = subject.precomputed(
-        case.material, M=M, route=Route(), K=1, matrices=True, variants=["shadowed"]
+        case.material, tents=M, route=Route(), components=1, matrices=True, variants=["shadowed"]
     )
     matrices = transfer.variants["shadowed"].matrices
     assert matrices is not None

@@ -56,9 +56,9 @@ def make(settings: Settings) -> Result:
     for case in CASES:
         transfer = subject.precomputed(
             case.material,
-            M=TENTS,
+            tents=TENTS,
             route=published(n),
-            K=max(PAPER),
+            components=max(PAPER),
             half=False,
             matrices=True,
             variants=[case.variant],
@@ -68,7 +68,7 @@ def make(settings: Settings) -> Result:
         truth = stage.lit(Tents(transfer.vertices, transfer.frames, matrices))
         columns = []
         for K, papers_ratio in PAPER.items():
-            shot = stage.lit(transfer.lighting(K=K), truth)
+            shot = stage.lit(transfer.lighting(components=K), truth)
             ratio = compression(subject.size, K)
             columns.append((f"K = {K}\n1 : {ratio:.0f}", shot))
             shadowed = case.variant == "shadowed"

@@ -170,10 +170,14 @@ def _candidates(subject: Subject, samples: int, accuracy: float) -> Iterator[_Ca
     yield from _projections(subject, samples)
 
     # Tents without compression: the matrices of few are discarded when those of many are made.
-    through_harmonics = subject.precomputed(GLOSSY, M=TENTS, route=published(n), K=COMPONENTS[-1], half=False)
+    through_harmonics = subject.precomputed(
+        GLOSSY, tents=TENTS, route=published(n), components=COMPONENTS[-1], half=False
+    )
     for M in (FEW, TENTS):
-        few = {"K": 1} if M == FEW else {}
-        straight = subject.precomputed(GLOSSY, M=M, route=Route(), accuracy=accuracy, matrices=True, **few)
+        few = {"components": 1} if M == FEW else {}
+        straight = subject.precomputed(
+            GLOSSY, tents=M, route=Route(), accuracy=accuracy, matrices=True, **few
+        )
         for shadowed, variant in _by_shadows(straight).items():
             yield _tents(subject, M, shadowed, variant)
 

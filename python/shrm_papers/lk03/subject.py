@@ -114,7 +114,7 @@ class Subject:
                 self.mesh,
                 material,
                 tangents=self._tangents,
-                n=n,
+                order=n,
                 directions=self.directions,
                 work=self._folder,
                 **options,

@@ -27,7 +27,7 @@ import numpy.typing as npt
 
 from shrm.arrays import BoolArray, FloatArray, Int32Array
 from shrm.files import write_bytes
-from shrm.transfer.rays.rays import Hits, Occluders, mesh_faces, rows
+from shrm.transfer.rays.occluders import Hits, Occluders, mesh_faces, rows
 from shrm.transfer.tangent_frames import band_rotations
 from shrm.validation import real_array, whole_number
 

@@ -117,7 +117,7 @@ class RelitObject:
         held = self._lighting
         if held is None or held[0] is not transfer or held[1:3] != (choice.variant, choice.M):
             M = choice.M if choice.K else None
-            held = transfer, choice.variant, choice.M, transfer.lighting(choice.variant, M=M)
+            held = transfer, choice.variant, choice.M, transfer.lighting(choice.variant, tents=M)
             self._lighting = held
         lighting = held[3]
         if isinstance(lighting, Compressed) and choice.K and lighting.K != choice.K:

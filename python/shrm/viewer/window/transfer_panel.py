@@ -55,13 +55,13 @@ def _variant(widgets: Widgets, state: State, choice: Choice) -> State:
     lacking = "" if choice.other_shadows else "\nThis file has only one of them."
     with disabled(choice.other_shadows is None):
         meaning = f"Parts of the object take light from others. (Key H){lacking}"
-        if widgets.check("shadows", "shadows (H)", choice.shadows, meaning):
+        if widgets.check("shadowed", "shadowed (H)", choice.shadows, meaning):
             state = replace(state, variant=choice.other_shadows)
     imgui.same_line()
     lacking = "" if choice.other_bounces else "\nThis file has only one of them."
     with disabled(choice.other_bounces is None):
-        meaning = f"Parts of the object light others: interreflection. (Key I){lacking}"
-        if widgets.check("bounces", "bounces (I)", choice.bounces, meaning):
+        meaning = f"Parts of the object light others as well. (Key I){lacking}"
+        if widgets.check("interreflected", "interreflected (I)", choice.bounces, meaning):
             state = replace(state, variant=choice.other_bounces)
     return state
 
@@ -71,7 +71,7 @@ def _sizes(widgets: Widgets, state: State, choice: Choice) -> State:
     with disabled(choice.most_K < 2):
         least, most = min(1, choice.most_K), choice.most_K
         changed, K = imgui.slider_int("components K", choice.K, least, most, f"%d of {most}", clamp)
-        widgets.place("K")
+        widgets.place("components")
         explain(
             "How many principal components of the vertices' matrices are used: fewer are faster and less "
             "accurate." + ("" if choice.most_K else " This variant is not compressed.")
@@ -81,7 +81,7 @@ def _sizes(widgets: Widgets, state: State, choice: Choice) -> State:
     with disabled(choice.most_M <= LEAST_TENTS or choice.most_K == 0):
         least, most = min(LEAST_TENTS, choice.most_M), choice.most_M
         changed, M = imgui.slider_int("tents M", choice.M, least, most, f"%d of {most}", clamp)
-        widgets.place("M")
+        widgets.place("tents")
         explain("Directions to a side of the grid of outgoing light: how sharp reflections can be.")
     return replace(state, tents=M) if changed else state
 

@@ -208,7 +208,7 @@ class Matrices:
         ]
         if self.materials.shares is not None:
             arrays.append(self.materials.shares)
-        sizes = {"n": self.n, "channels": self.channels, "path": str(made[0].route)}
+        sizes = {"n": self.n, "channels": self.channels, "route": str(made[0].route)}
         about = {**sizes, "digest": digest(*arrays)}
         shape = (len(self.frames), rows, self.n**2)
         return stored(self.folder / name, about, shape, parts, make, progress)

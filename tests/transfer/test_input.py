@@ -23,7 +23,7 @@ def with_value(array: np.ndarray, value: float) -> np.ndarray:
 
 def refused(message: str, mesh: Surface, material: Any = TWO[0], **options: Any) -> None:
     steps: list[str] = []
-    small = {"n": 2, "M": 3, "route": Route(), "directions": 64, "K": 2}
+    small = {"order": 2, "tents": 3, "route": Route(), "directions": 64, "components": 2}
     with pytest.raises((TypeError, ValueError), match=f"^{message}[^\n]*$"):
         precompute(mesh, material, progress=lambda *step: steps.append(str(step)), **{**small, **options})
     assert not steps
@@ -73,9 +73,15 @@ def test_what_is_no_mesh_is_refused():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        *(({"n": n}, r"n must be (in \[1, 10\]|a whole number), got ") for n in (0, 11, -1, 2.0, True, "2")),
-        *(({"M": M}, r"M must be (in \[2, 33\]|a whole number), got ") for M in (1, 34, 3.0, "3")),
-        *(({"K": K}, "K must be (at least 1|in|a whole number)") for K in (0, -1, 1.5, "2")),
+        *(
+            ({"order": n}, r"order must be (in \[1, 10\]|a whole number), got ")
+            for n in (0, 11, -1, 2.0, True, "2")
+        ),
+        *(({"tents": M}, r"tents must be (in \[2, 33\]|a whole number), got ") for M in (1, 34, 3.0, "3")),
+        *(
+            ({"components": K}, "components must be (at least 1|in|a whole number)")
+            for K in (0, -1, 1.5, "2")
+        ),
         *(({"clusters": Q}, r"clusters must be (in \[1, 162\]|a whole number)") for Q in (0, COUNT + 1, 1.0)),
         *(({"bounces": k}, r"bounces must be (in \[1, 1000\]|a whole number)") for k in (0, 1001, 2.0)),
         *(
@@ -95,6 +101,14 @@ def test_what_is_no_mesh_is_refused():
             r"albedo must have the shape \(\), \(3,\), \(162,\) or \(162, 3\), got \(2,\)",
         ),
         ({"albedo": np.nan}, "albedo must be finite"),
+        *(
+            (
+                {name: 1, "variants": held},
+                f"variants must have interreflected where {name} is given, got {held}",
+            )
+            for name in ("bounces", "albedo")
+            for held in ("unshadowed", "shadowed")
+        ),
         ({"variants": ()}, "variants must name at least one"),
         ({"variants": ("shadowed", "lit")}, "variants must be one of unshadowed, shadowed, interreflected"),
         ({"variants": [1]}, "variants must be one of"),
@@ -154,15 +168,15 @@ def test_shares_that_cannot_be_are_refused(shares, message):
 
 def test_too_many_components_are_refused_before_rays_are_cast():
     steps = []
-    with pytest.raises(ValueError, match=r"^K must be in \[1, 36\], got 37$"):
+    with pytest.raises(ValueError, match=r"^components must be in \[1, 36\], got 37$"):
         precompute(
             Surface(*MESH),
             TWO[0],
-            n=2,
-            M=3,
+            order=2,
+            tents=3,
             route=Route(),
             directions=64,
-            K=37,
+            components=37,
             progress=lambda *s: steps.append(s[0]),
         )
     assert set(steps) == {"choosing tents"}
@@ -170,7 +184,7 @@ def test_too_many_components_are_refused_before_rays_are_cast():
 
 def test_tents_that_miss_the_accuracy_are_reported():
     with pytest.warns(UserWarning, match=r"^3 x 3 tents reach [0-9.]+ dB of the 40 asked for$"):
-        precompute(Surface(*MESH), TWO[1], n=3, M=3, directions=512, K=2, accuracy=40)
+        precompute(Surface(*MESH), TWO[1], order=3, tents=3, directions=512, components=2, accuracy=40)
 
 
 def test_a_work_folder_that_is_a_file_is_refused_at_once(tmp_path):
@@ -216,7 +230,7 @@ def test_broken_meshes_are_computed_all_the_same(route):
 def test_tangents_without_a_direction_do_not_matter_to_isotropic_materials():
     """They turn frames about the normal, and with them the rays and the tents: 1024 and 7 x 7, 25 dB each."""
     light, view = np.eye(9)[:, 1:4], np.array([0, 0, 1.0])
-    options = {"M": 7, "directions": 2048}
+    options = {"tents": 7, "directions": 2048}
     expected = radiance(transferred(MESH, TWO[1], **options), "shadowed", light, view)
     for tangents in (0 * NORMALS, NORMALS, 1e-300 * NORMALS):
         held = transferred(MESH, TWO[1], tangents=tangents, **options)
@@ -240,7 +254,7 @@ def test_tangents_without_a_direction_do_not_matter_to_isotropic_materials():
     ids=["a triangle", "a vertex", "a point", "no area", "no normals", "huge", "tiny", "far"],
 )
 def test_extreme_meshes_are_computed(mesh):
-    held = transferred(mesh, TWO[0], n=2, M=3, variants=ALL, K=None, half=True)
+    held = transferred(mesh, TWO[0], order=2, tents=3, variants=ALL, components=None, half=True)
     for name in ALL:
         assert np.isfinite(matrices(held, name)).all()
         assert np.isfinite(held.radiance(np.ones((4, 3)), view=[0, 0, 1.0], variant=name)).all()
@@ -250,7 +264,7 @@ def test_extreme_meshes_are_computed(mesh):
 @pytest.mark.parametrize("n", [1, 10])
 @pytest.mark.parametrize("directions", [16, 1000])
 def test_extreme_orders_and_counts_are_computed(n, directions):
-    held = transferred(MESH, TWO[1], n=n, M=2, directions=directions, K=1, variants=ALL)
+    held = transferred(MESH, TWO[1], order=n, tents=2, directions=directions, components=1, variants=ALL)
     for name in ALL:
         assert matrices(held, name).shape == (COUNT, 4, 1, n * n)
         assert np.isfinite(matrices(held, name)).all()
@@ -258,7 +272,7 @@ def test_extreme_orders_and_counts_are_computed(n, directions):
 
 def test_black_materials_and_no_shares_are_black():
     for material, options in ((brdf.Lambert(0.0), {}), (TWO, {"shares": np.zeros((COUNT, 2))})):
-        held = transferred(MESH, material, variants=ALL, clusters=2, K=2, half=True, **options)
+        held = transferred(MESH, material, variants=ALL, clusters=2, components=2, half=True, **options)
         for name in ALL:
             assert not matrices(held, name).any()
             assert not held.radiance(np.ones((9, 3)), view=[0, 0, 1.0], variant=name).any()

@@ -98,7 +98,7 @@ def test_glossy_materials_have_an_albedo_too():
     assert 0.5 < albedo < 1
     by_default, given = (
         matrices(
-            transferred(BUMPY, brdf.GGX(alpha), M=9, variants=("interreflected",), **o), "interreflected"
+            transferred(BUMPY, brdf.GGX(alpha), tents=9, variants=("interreflected",), **o), "interreflected"
         )
         for o in ({}, {"albedo": albedo})
     )
@@ -150,7 +150,7 @@ def test_every_kind_of_lobe_is_shadowed_as_by_rays(route, material, transfer):
     mesh = together(grid(6, [-2, -2, -1.1], [4, 0, 0], [0, 4, 0]), ball(1))
     tangent, views = np.array([1.0, 0.2, 0.3]), sphere(48, 6)
     tangents = np.tile(tangent, (len(mesh[0]), 1))
-    held = transferred(mesh, material, M=7, route=route, directions=1024, tangents=tangents)
+    held = transferred(mesh, material, tents=7, route=route, directions=1024, tangents=tangents)
     A, rays = matrices(held), BruteForce(*mesh, rays=8192)
     expected, found = [], []
     for p in range(0, len(mesh[0]), 8):

@@ -48,7 +48,7 @@ def test_a_convex_white_object_under_white_light_is_white(name, route):
 def test_a_convex_object_under_white_light_has_the_directional_albedo():
     """To what tents of this M keep of it, by the report."""
     mesh, alpha = ball(2), 0.5
-    held = transferred(mesh, brdf.GGX(alpha), M=9)
+    held = transferred(mesh, brdf.GGX(alpha), tents=9)
     error = 10 ** (-held.report["SNR of matrices"] / 20)
     view = np.array([0.0, 0.6, 0.8])
     actual = radiance(held, "shadowed", white(3), view)
@@ -76,7 +76,7 @@ def test_shadows_take_and_bounces_give():
 def test_a_closed_room_is_black_and_says_so_quietly():
     """No light at all: nothing to compress, nothing to measure, and no warning of numpy's."""
     vertices, faces, normals = ball(1)
-    held = precompute(Surface(vertices, faces[:, ::-1], -normals), brdf.Lambert(0.5), directions=64, n=2)
+    held = precompute(Surface(vertices, faces[:, ::-1], -normals), brdf.Lambert(0.5), directions=64, order=2)
     assert not held.radiance(white(2), view=[0, 0, 1.0]).any()
 
 
@@ -117,7 +117,7 @@ def unshadowed_expected(
 def test_without_occlusion_it_is_plain_shading(material, transfer, variant):
     """Within the error of the basis that is reported, which is over white light and all views."""
     mesh = moved(ball(1), random_rotation(4))
-    held = transferred(mesh, material, n=4, M=7, variants=(variant,))
+    held = transferred(mesh, material, order=4, tents=7, variants=(variant,))
     lost = whole = 0.0
     for k, view in enumerate(sphere(6, 5)):
         light = random_light(4, 10 + k)
@@ -137,7 +137,7 @@ def test_it_is_what_prefiltering_says():
     up = mesh[2] @ view > 0.1
     reflection = prefilter(environment, brdf.GGX(0.4), tolerance=0.01)
     expected = reflection.radiance(mesh[2][up], np.tile(view, (up.sum(), 1)))
-    held = transferred(mesh, brdf.GGX(0.4), n=5, M=9, variants=("unshadowed",))
+    held = transferred(mesh, brdf.GGX(0.4), order=5, tents=9, variants=("unshadowed",))
     actual = radiance(held, "unshadowed", environment.coefficients(4), view)[up]
     error = 10 ** (-held.report["SNR of matrices"] / 20)
     assert oracles.relative_rms(actual, expected) < error + 2 * reflection.error
@@ -201,9 +201,11 @@ def energy(A: np.ndarray) -> float:
 
 @pytest.mark.parametrize("route", [Route(), Route(4)], ids=str)
 @pytest.mark.parametrize("material", [GLOSSY, brdf.GGX(0.4)], ids=["color", "grey"])
-@pytest.mark.parametrize("options", [{"K": 12}, {"half": True, "accuracy": 20.0, "K": None}, {"clusters": 5}])
+@pytest.mark.parametrize(
+    "options", [{"components": 12}, {"half": True, "accuracy": 20.0, "components": None}, {"clusters": 5}]
+)
 def test_the_snr_of_components_is_that_of_all_matrices(route, material, options):
-    held = transferred(BUMPY, material, variants=ALL, M=4, route=route, **options)
+    held = transferred(BUMPY, material, variants=ALL, tents=4, route=route, **options)
     assert list(held.report["compression"]) == list(held.variants)
     for name, report in held.report["compression"].items():
         A, K = matrices(held, name), held.variants[name].K
@@ -212,7 +214,7 @@ def test_the_snr_of_components_is_that_of_all_matrices(route, material, options)
             snr = 10 * np.log10(energy(A) / energy(A - rebuilt(held, name, k)))
             assert report["SNR of 1 to K"][k - 1] == pytest.approx(snr, abs=0.02)
         assert report["SNR"] == report["SNR of 1 to K"][-1]
-        if options.get("K", 1) is None:
+        if options.get("components", 1) is None:
             assert report["SNR of 1 to K"][-1] >= 20 > report["SNR of 1 to K"][-2]
         held_as = np.float16 if options.get("half") else np.float32
         assert held.variants[name].weights.dtype == held_as
@@ -220,7 +222,9 @@ def test_the_snr_of_components_is_that_of_all_matrices(route, material, options)
 
 def test_what_is_asked_for_is_there():
     mesh = bumpy(2)
-    held = transferred(mesh, brdf.GGX(0.5), n=2, M=4, K=7, clusters=3, variants=ALL, half=True)
+    held = transferred(
+        mesh, brdf.GGX(0.5), order=2, tents=4, components=7, clusters=3, variants=ALL, half=True
+    )
     assert (held.n, held.M, held.channels, held.material) == (2, 4, 1, brdf.GGX(0.5).name)
     np.testing.assert_array_equal(held.faces, mesh[1])
     np.testing.assert_array_equal(held.vertices, mesh[0].astype(np.float32))
@@ -238,7 +242,7 @@ def test_a_mesh_of_trimesh_is_taken_as_it_is(textured):
     uv = np.random.default_rng(3).uniform(size=(len(vertices), 2)) if textured else None
     visual = trimesh.visual.TextureVisuals(uv=uv) if textured else None
     mesh = trimesh.Trimesh(vertices, faces, process=False, visual=visual)
-    options = {"n": 2, "M": 3, "route": Route(), "directions": 64, "K": 4}
+    options = {"order": 2, "tents": 3, "route": Route(), "directions": 64, "components": 4}
     found = precompute(mesh, brdf.Lambert(0.5), **options)
     same = Surface(np.array(mesh.vertices), np.array(mesh.faces), np.array(mesh.vertex_normals), uv)
     expected = precompute(same, brdf.Lambert(0.5), **options)
@@ -250,14 +254,14 @@ def test_a_mesh_of_trimesh_is_taken_as_it_is(textured):
 
 
 def test_variants_come_in_their_order_whatever_is_asked():
-    held = transferred(bumpy(2), brdf.Lambert(0.5), n=1, M=2, K=1, variants=ALL[::-1])
+    held = transferred(bumpy(2), brdf.Lambert(0.5), order=1, tents=2, components=1, variants=ALL[::-1])
     assert tuple(held.variants) == ALL
 
 
 def test_seams_of_textures_do_not_show():
     """Vertices at one place, with one normal, have the matrices of one; but for rays that run along edges."""
     mesh = Mesh.read(require("mesh/spot.obj"))
-    options = {"n": 2, "M": 2, "route": Route(), "directions": 512, "K": 4, "matrices": True}
+    options = {"order": 2, "tents": 2, "route": Route(), "directions": 512, "components": 4, "matrices": True}
     held = precompute(mesh, brdf.Lambert(0.8), variants=("interreflected",), **options)
     np.testing.assert_array_equal(held.uv, mesh.uv.astype(np.float32))
     _, first, place = np.unique(mesh.vertices, axis=0, return_index=True, return_inverse=True)

@@ -92,13 +92,16 @@ def test_what_does_not_fit_is_refused(make, message):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"K": 0}, r"K must be in \[1, 3\], got 0"),
-        ({"K": K + 1}, r"K must be in \[1, 3\], got 4"),
-        ({"K": 2.0}, "K must be a whole number"),
-        ({"M": 1}, r"M must be in \[2, 2\], got 1"),
-        ({"M": M + 1}, r"M must be in \[2, 2\], got 3"),
+        ({"components": 0}, r"components must be in \[1, 3\], got 0"),
+        ({"components": K + 1}, r"components must be in \[1, 3\], got 4"),
+        ({"components": 2.0}, "components must be a whole number"),
+        ({"tents": 1}, r"tents must be in \[2, 2\], got 1"),
+        ({"tents": M + 1}, r"tents must be in \[2, 2\], got 3"),
         ({"variant": "lit"}, "variant must be one of unshadowed, shadowed, interreflected, got 'lit'"),
-        ({"variant": "unshadowed", "K": 1}, "unshadowed is not compressed"),
+        (
+            {"variant": "unshadowed", "components": 1},
+            "variant must be compressed where components or tents are given, got unshadowed",
+        ),
         ({"light": np.zeros((N * N + 1, 3))}, r"light must have the shape \(4, 3\)"),
         ({"light": np.zeros((N * N, 1))}, r"light must have the shape \(4, 3\)"),
         ({"light": np.full((N * N, 3), np.nan)}, "light must be finite"),
@@ -120,7 +123,7 @@ def test_fewer_components_are_the_first_and_change_back():
     for k in (1, K, 2):
         first = Variant(whole.weights[:, :k].copy(), whole.components[:, :k].copy(), whole.clusters)
         expected = transfer(variants={"shadowed": first}).radiance(light, eye=[3, 4, 5])
-        actual = held.radiance(light, eye=[3, 4, 5], K=k)
+        actual = held.radiance(light, eye=[3, 4, 5], components=k)
         np.testing.assert_allclose(actual, expected, atol=1e-6 * np.abs(expected).max())
 
 
@@ -238,5 +241,5 @@ def test_fewer_tents_are_a_projection(clustered):
         few = np.einsum("st,...tcj->...scj", projection(fine, coarse), components).astype(np.float32)
         small = transfer(M=coarse, variants={"shadowed": Variant(weights, few, clusters)})
         expected = small.radiance(light, eye=[3, 4, 5])
-        actual = held.radiance(light, eye=[3, 4, 5], M=coarse)
+        actual = held.radiance(light, eye=[3, 4, 5], tents=coarse)
         np.testing.assert_allclose(actual, expected, atol=2e-6 * np.abs(expected).max())

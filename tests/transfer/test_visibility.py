@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from shrm.transfer.rays.directions import local_directions
-from shrm.transfer.rays.rays import Occluders
+from shrm.transfer.rays.occluders import Occluders
 from shrm.transfer.rays.visibility import Visibility
 from shrm.transfer.tangent_frames import vertex_frames
 from support.visibility_folders import FACES, GOOD, NORMALS, VERTICES, computed, opened

@@ -9,20 +9,23 @@ from typing import Any
 import numpy as np
 import pytest
 from shrm import brdf
-from shrm.transfer.matrices import matrices as matrices_module
+from shrm.transfer.matrices import vertex_matrices
 from shrm.transfer.matrices.product import Route
 from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
-from shrm.transfer.rays.rays import Occluders
+from shrm.transfer.rays.occluders import Occluders
 from support.precomputed import ALL
 from support.transfer_meshes import Mesh, Surface, bumpy
 
 MESH = bumpy(7, subdivisions=3)  # 642 vertices: blocks of 512 and 130
-SMALL = {"n": 2, "M": 3, "directions": 64, "K": 4, "variants": ALL, "matrices": True, "bounces": 2}
+SMALL = {"order": 2, "tents": 3, "directions": 64, "components": 4, "variants": ALL, "matrices": True}
 
 
 def transferred(mesh: Mesh = MESH, material: Any = None, **options: Any) -> RadianceTransfer:
+    """Something small, with two bounces where the object lights itself."""
     small = {**SMALL, "route": Route(), **options}
+    if "interreflected" in small["variants"]:
+        small.setdefault("bounces", 2)
     return precompute(Surface(*mesh), brdf.Lambert(0.5) if material is None else material, **small)
 
 
@@ -60,8 +63,8 @@ def counts(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     # a sample's vertices cast one by one
     several = count("cast", Occluders.cast, lambda self, these, *rest: these.stop - these.start > 1)
     monkeypatch.setattr(Occluders, "cast", several)
-    summed = count("matrices", matrices_module.accumulate, lambda *rest: True)
-    monkeypatch.setattr(matrices_module, "accumulate", summed)
+    summed = count("matrices", vertex_matrices.accumulate, lambda *rest: True)
+    monkeypatch.setattr(vertex_matrices, "accumulate", summed)
     return counted
 
 
@@ -136,13 +139,16 @@ def test_another_material_takes_the_same_rays(tmp_path, counts):
 @pytest.mark.parametrize(
     "options",
     [
-        {"M": 4},
-        {"n": 3},
+        {"tents": 4},
+        {"order": 3},
         {"route": Route(3)},
         {"albedo": 0.9},
         {"bounces": 1},
         {"variants": ("shadowed",)},
-        {"tangents": np.random.default_rng(1).normal(size=MESH[0].shape), "variants": ("unshadowed",)},
+        {
+            "tangents": np.random.default_rng(1).normal(size=MESH[0].shape),
+            "variants": ("unshadowed",),
+        },
         {"material": [brdf.Lambert(0.5)] * 2, "shares": np.random.default_rng(2).uniform(size=(642, 2))},
     ],
     ids=lambda options: " ".join(options),

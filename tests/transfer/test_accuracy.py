@@ -34,7 +34,7 @@ def read(name: str) -> Mesh:
 
 def transferred(mesh: Mesh, material: brdf.BRDF, **options: object) -> RadianceTransfer:
     """Few components: what is looked at are the matrices."""
-    kept = {"variants": ("shadowed",), "K": 4, "matrices": True}
+    kept = {"variants": ("shadowed",), "components": 4, "matrices": True}
     return precompute(Surface(*mesh), material, **{**kept, **options})
 
 
@@ -113,7 +113,7 @@ def test_diffuse_objects_with_shadows_have_40_dB(name):
 def test_the_published_way_loses_most_of_it():
     """Transferred radiance of order 5: 11.5 to 14.4 dB on meshes such as these."""
     mesh = read("bunny")
-    transfer = transferred(mesh, brdf.AshikhminShirley(40, 40), M=11, route=published(5))
+    transfer = transferred(mesh, brdf.AshikhminShirley(40, 40), tents=11, route=published(5))
     assert 10 < measured(mesh, transfer, oracles.ashikhmin_shirley(40, 40)) < 16
 
 
@@ -138,8 +138,8 @@ def test_a_bounce_is_that_of_rays_that_go_on():
         brdf.AshikhminShirley(**glossy),
         variants=("shadowed", "interreflected"),
         albedo=0.8,
-        n=4,
-        M=9,
+        order=4,
+        tents=9,
         route=Route(),
     )
     vertices = some_vertices(mesh, 16)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from shrm.transfer.rays.directions import local_directions
-from shrm.transfer.rays.rays import Hits, Occluders
+from shrm.transfer.rays.occluders import Hits, Occluders
 from shrm.transfer.tangent_frames import vertex_frames
 from support.transfer_meshes import (
     Mesh,

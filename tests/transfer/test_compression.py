@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from shrm.transfer.compression import compression
+from shrm.transfer.compression import pca as pca_module
 from shrm.transfer.compression.clusters import clustered
 from shrm.transfer.compression.components import PrincipalComponents
-from shrm.transfer.compression.compression import exact, factored, streamed
+from shrm.transfer.compression.pca import exact, factored, streamed
 from shrm.transfer.directional_basis import DirectionalBasis
 
 M, N2 = 5, 9
@@ -101,10 +101,10 @@ def test_all_components_leave_nothing():
 # Randomised
 
 
-@pytest.fixture(params=[0, compression.GRAM_COLUMNS], ids=["by blocks", "by the Gram matrix"])
+@pytest.fixture(params=[0, pca_module.GRAM_COLUMNS], ids=["by blocks", "by the Gram matrix"])
 def columns(request, monkeypatch):
     """Both ways of the randomised: on the blocks, and on the Gram matrix."""
-    monkeypatch.setattr(compression, "GRAM_COLUMNS", request.param)
+    monkeypatch.setattr(pca_module, "GRAM_COLUMNS", request.param)
     return request.param
 
 
@@ -175,7 +175,7 @@ def test_the_snr_is_that_of_random_views_and_lights():
 
 
 def test_as_many_components_as_the_accuracy_takes(columns, monkeypatch):
-    monkeypatch.setattr(compression, "_FIRST", 4)  # and then four times as many, again and again
+    monkeypatch.setattr(pca_module, "_FIRST", 4)  # and then four times as many, again and again
     A = slow_matrices(150, 1, seed=10)
     snr = exact(A).snr
     for accuracy in (5.0, 12.0, 20.0):
