@@ -34,13 +34,14 @@ def test_round_trip(env, material, layout, tmp_path):
     back = ReflectionMap.load(path)
     assert (back.F, back.P, back.layout, back.brdf) == (rm.F, rm.P, layout, material.name)
     assert (back.window, back.clamp, back.criterion) == ("hann", True, "light")
-    assert back.error == pytest.approx(rm.error, rel=1e-6)
+    assert back.error == rm.error
     T, N, V = oracles.random_hairs(100, seed=1)
-    # maps come back bit for bit; gamma, float32 in the file, moves C by 1e-7, and the maps' slope is bounded
-    np.testing.assert_allclose(back.radiance(N, V, T), rm.radiance(N, V, T), rtol=1e-4, atol=1e-5)
+    np.testing.assert_array_equal(back.radiance(N, V, T), rm.radiance(N, V, T))
     for mine, theirs in zip(rm.parts, back.parts, strict=True):
         np.testing.assert_array_equal(theirs.maps, mine.maps)
-        np.testing.assert_allclose(theirs.rho, mine.rho, rtol=1e-6, atol=1e-9)
+        np.testing.assert_array_equal(theirs.gamma, mine.gamma)
+        for name in ("light", "rho"):
+            np.testing.assert_array_equal(getattr(theirs, name), getattr(mine, name))
 
 
 def test_other_programs_find_named_channels_and_the_conventions(env, tmp_path):
@@ -49,7 +50,8 @@ def test_other_programs_find_named_channels_and_the_conventions(env, tmp_path):
     assert first.name == "0.maps"
     assert first.pixels.shape == (16, 32, 27)
     assert list(first.channels[:6]) == ["B_0_0.R", "B_0_0.G", "B_0_0.B", "B_1_-1.R", "B_1_-1.G", "B_1_-1.B"]
-    assert [part.name for part in others] == ["0.light", "0.rho", "0.gamma"]
+    names = [part.name for part in others if not part.name.endswith(".rest")]
+    assert names == ["0.light", "0.rho", "0.gamma"]
     for word in ("z up", "Condon-Shortley", "towards the eye", "theta_v"):
         assert any(word in str(value) for value in first.metadata.values())
 

@@ -228,11 +228,10 @@ def test_a_saved_map_has_its_residual(env, layout, tmp_path):
     back = ReflectionMap.load(tmp_path / "map.exr")
     N, V = oracles.random_views(300, seed=8)
     for mine, theirs in ((rm, back), (rm, pickle.loads(pickle.dumps(rm)))):
-        assert theirs.error == pytest.approx(mine.error, rel=1e-6)
-        # tables are float32 in the file: a descent near its threshold may go one step farther or less
-        assert oracles.relative_rms(theirs.radiance(N, V), mine.radiance(N, V)) < 2e-3
+        assert theirs.error == mine.error
+        np.testing.assert_array_equal(theirs.radiance(N, V), mine.radiance(N, V))
         for name, pixels in mine.maps_at_view([0, 0, 1]).items():
-            assert oracles.relative_rms(theirs.maps_at_view([0, 0, 1])[name], pixels) < 2e-3
+            np.testing.assert_array_equal(theirs.maps_at_view([0, 0, 1])[name], pixels)
 
 
 @pytest.mark.slow

@@ -11,6 +11,8 @@ A multi-part file of 32-bit floats. For lobe k of the material:
     rho_lpq at row l, column p(P+1) + q; channels R, G, B.
 `k.gamma`
     One row: the angle between C and N over theta_v from 0 to pi/2, radians. Not there about the tangent.
+`k.light.rest`, `k.rho.rest`, `k.gamma.rest`
+    What float32 leaves of them (`shrm.image_io.tables`).
 
 The metadata of `0.maps` says the rest in words and numbers under the prefix `shrm:`. A residual has parts of
 its own (`shrm.frequency.residual_file`), and makes the file one of version 3: what reads version 1 would
@@ -133,7 +135,7 @@ def _conventions_and_facts(saved: SavedMap) -> dict[str, str | int | float]:
         "shrm:version": VERSION if saved.residual is None else WITH_RESIDUAL,
         "shrm:lobes": len(saved.parts),
         "shrm:brdf": saved.brdf,
-        "shrm:error": saved.error,
+        "shrm:error": repr(float(saved.error)),
         "shrm:criterion": saved.criterion,
         "shrm:window": saved.window or "none",
         "shrm:clamp": int(saved.clamp),
@@ -156,10 +158,10 @@ def _pictures(k: int, part: CoefficientMaps, facts: Mapping[str, Any]) -> list[i
     flat = pictures.transpose(1, 2, 0, 3).reshape(*pictures.shape[1:3], -1)
     images = [_image(f"{k}.maps", flat, _map_channels(part), about)]
     if isinstance(part, Part):
-        images.append(_image(f"{k}.light", _triangle(part.light), "RGB"))
-        images.append(_image(f"{k}.rho", part.rho.reshape(part.F + 1, -1, 3), "RGB"))
+        images += image_io.table_parts(f"{k}.light", _triangle(part.light), "RGB")
+        images += image_io.table_parts(f"{k}.rho", part.rho.reshape(part.F + 1, -1, 3), "RGB")
     if len(part.gamma):
-        images.append(_image(f"{k}.gamma", part.gamma[None, :, None], "Y"))
+        images += image_io.table_parts(f"{k}.gamma", part.gamma[None, :, None])
     return images
 
 
@@ -250,7 +252,7 @@ def _image(
 
 def _pixels(images: Mapping[str, image_io.Part], name: str, shape: tuple[int | None, ...]) -> FloatArray:
     """Finite pixels of a shape, in which None stands for any length; else ValueError, or KeyError."""
-    pixels = images[name].pixels.astype(np.float64)
+    pixels = image_io.table_values(images, name)
     if any(length not in (None, actual) for length, actual in zip(shape, pixels.shape, strict=True)):
         raise ValueError(f"{name} of shape {pixels.shape}")
     if not np.isfinite(pixels).all():

@@ -10,7 +10,8 @@
     what is looked up. The numbers are in the metadata of `residual.light` as `shrm:k.NAME`, as text of full
     precision.
 
-Files of version 2 have `residual.k.centre` for what is `residual.k.gamma` now.
+Tables that are not of float32 have a part `residual.k.NAME.rest` besides (`shrm.image_io.tables`). Files of
+version 2 have `residual.k.centre` for what is `residual.k.gamma` now.
 """
 
 from __future__ import annotations
@@ -19,16 +20,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any, cast, get_args
 
 import numpy as np
-import numpy.typing as npt
 
 from shrm import image_io
 from shrm.arrays import FloatArray
 from shrm.brdf.lobe import Center
 from shrm.integrate.residual import LARGEST_CUT, Core, Light, Residual
-from shrm.integrate.saved_arrays import NamedArrays, table
+from shrm.integrate.saved_arrays import Parts, array_parts, arrays_of_parts, table
 from shrm.lobes.reflection import Layout
-
-Images = Mapping[str, image_io.Part]
 
 LIGHT = "residual.light"
 _OLD_NAMES = {"centre": "gamma"}
@@ -39,20 +37,18 @@ _WORDS = ("map", "center")
 def residual_parts(residual: Residual) -> list[image_io.Part]:
     """Return the parts of a file that hold a residual."""
     about: dict[str, str | int | float] = {"shrm:cut": residual.light.cut, "shrm:cores": len(residual.cores)}
-    parts = [_table_part("residual.rotation", residual.rotation)]
+    parts = image_io.table_parts("residual.rotation", residual.rotation[:, :, None])
     for k, (name, core) in enumerate(residual.cores):
         about |= {f"shrm:{k}.map": name, f"shrm:{k}.center": core.descent.center}
-        for key, array in core.to_arrays().items():
-            if array.ndim:
-                parts.append(_table_part(f"residual.{k}.{key}", array))
-            else:
-                about[f"shrm:{k}.{key}"] = repr(float(array))
+        tables, numbers = array_parts(core.to_arrays(), f"residual.{k}.", f"shrm:{k}.")
+        parts += tables
+        about |= numbers
     light = image_io.Part(LIGHT, residual.light.pixels, ["R", "G", "B"], about)
     return [light, *parts]
 
 
 def read_residual(
-    images: Images, maps: Sequence[tuple[str, Center, FloatArray]], layout: Layout, size: int
+    images: Parts, maps: Sequence[tuple[str, Center, FloatArray]], layout: Layout, size: int
 ) -> Residual:
     """Read what `residual_parts` wrote.
 
@@ -79,7 +75,9 @@ def read_residual(
         raise ValueError(f"{LIGHT} of shape {pixels.shape}, or not finite")
     if not 1 <= cut <= max(LARGEST_CUT // max(H, W), 1):
         raise ValueError(f"shrm:cut = {cut}")
-    rotation = table({"rotation": images["residual.rotation"].pixels[:, :, 0]}, "rotation", (3, 3))
+    rotation = table(
+        {"rotation": image_io.table_values(images, "residual.rotation")[:, :, 0]}, "rotation", (3, 3)
+    )
     if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-5:
         raise ValueError("residual.rotation is none")
 
@@ -93,30 +91,12 @@ def read_residual(
 
 
 def _core(
-    images: Images, about: Mapping[str, Any], k: int, maps: Mapping[str, tuple[Center, FloatArray]]
+    images: Parts, about: Mapping[str, Any], k: int, maps: Mapping[str, tuple[Center, FloatArray]]
 ) -> tuple[str, Core]:
     """Core k, with the name of its map."""
     name, own_center = (str(about[f"shrm:{k}.{word}"]) for word in _WORDS)
     if own_center not in get_args(Center):
         raise ValueError(f"center {own_center!r}")
-    arrays = _named_arrays(images, about, k)
+    arrays = arrays_of_parts(images, about, f"residual.{k}.", f"shrm:{k}.", _WORDS)
+    arrays = {_OLD_NAMES.get(key, key): array for key, array in arrays.items()}
     return name, Core.from_arrays(*maps[name], cast(Center, own_center), arrays)
-
-
-def _named_arrays(images: Images, about: Mapping[str, Any], k: int) -> NamedArrays:
-    """The arrays of core k by name: tables from the parts of the file, numbers from the metadata."""
-    tables, numbers = f"residual.{k}.", f"shrm:{k}."
-    arrays: dict[str, npt.NDArray[Any]] = {}
-    for part in images.values():
-        if part.name.startswith(tables):
-            key = part.name.removeprefix(tables)
-            arrays[_OLD_NAMES.get(key, key)] = part.pixels[:, :, 0]
-    for key, value in about.items():
-        word = key.removeprefix(numbers)
-        if key.startswith(numbers) and word not in _WORDS:
-            arrays[word] = np.asarray(float(value))
-    return arrays
-
-
-def _table_part(name: str, values: npt.NDArray[Any]) -> image_io.Part:
-    return image_io.Part(name, np.ascontiguousarray(values[:, :, None], dtype=np.float32), ["Y"], {})

@@ -9,7 +9,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - its own name for itself
 
 from shrm.files import PathLike
-from shrm.image_io.image import DEFAULT_MAX_BYTES, ImageError, Part
+from shrm.image_io.image import DEFAULT_MAX_BYTES, ImageError, Metadata, Part
 from shrm.image_io.source import decoded_bytes, metadata_of, open_source, read_pixels, too_large
 from shrm.image_io.target import set_metadata, write_whole
 
@@ -49,6 +49,21 @@ def read_parts(path: PathLike, *, max_bytes: int = DEFAULT_MAX_BYTES) -> list[Pa
             if not source.seek_subimage(subimage, 0):
                 return parts
             spec = source.spec()
+    finally:
+        source.close()
+
+
+def read_metadata(path: PathLike, *, max_bytes: int = DEFAULT_MAX_BYTES) -> Metadata:
+    """Read the metadata of a picture, of the first part of a file of several; no pixels are decoded.
+
+    Raises
+    ------
+    ImageError
+        If the file cannot be read, or a part is larger than `max_bytes`.
+    """
+    source, spec = open_source(path, max_bytes)
+    try:
+        return metadata_of(spec)
     finally:
         source.close()
 

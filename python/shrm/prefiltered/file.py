@@ -9,6 +9,8 @@ A multi-part file of 32-bit floats. For lobe k of the material:
     One row: the angle between C and N over theta_v from 0 to pi/2, radians; missing about the tangent.
 `k.factors`
     For `KautzMcCool2D`: a row for each layer, factors over theta_v from 0 to pi/2; one channel or R, G, B.
+`k.gamma.rest`, `k.factors.rest`
+    What float32 leaves of them (`shrm.image_io.tables`).
 
 The metadata of `0.maps` says the rest in words and numbers under the prefix `shrm:`; `shrm:error` is missing
 where it is not known.
@@ -129,7 +131,7 @@ def _pictures(k: int, lobe: SavedLobe, about_file: Mapping[str, str | int]) -> l
         "shrm:center": first.center,
         "shrm:layout": first.layout,
         "shrm:keeps": lobe.keeps,
-        **({"shrm:error": lobe.error} if math.isfinite(lobe.error) else {}),
+        **({"shrm:error": repr(float(lobe.error))} if math.isfinite(lobe.error) else {}),
         **about_file,
     }
     rings = np.concatenate([layer.rings for layer in lobe.layers], axis=1)  # (H, K, 3, W)
@@ -137,10 +139,10 @@ def _pictures(k: int, lobe: SavedLobe, about_file: Mapping[str, str | int]) -> l
     channels = [f"L_{j}.{c}" for j in range(rings.shape[1]) for c in "RGB"]
     pictures = [_image(f"{k}.maps", flat, channels, metadata)]
     if len(first.gamma):
-        pictures.append(_image(f"{k}.gamma", first.gamma[None, :, None], ["Y"]))
+        pictures += image_io.table_parts(f"{k}.gamma", first.gamma[None, :, None])
     if lobe.factors is not None:
         channels = ["R", "G", "B"] if lobe.factors.shape[2] == 3 else ["Y"]
-        pictures.append(_image(f"{k}.factors", lobe.factors, channels))
+        pictures += image_io.table_parts(f"{k}.factors", lobe.factors, channels)
     return pictures
 
 
@@ -199,7 +201,7 @@ def _factors(images: Mapping[str, image_io.Part], k: int, layers: int) -> FloatA
 
 
 def _finite(images: Mapping[str, image_io.Part], name: str) -> FloatArray:
-    pixels = images[name].pixels.astype(np.float64)
+    pixels = image_io.table_values(images, name)
     if not np.isfinite(pixels).all():
         raise ValueError(f"{name} is not finite")
     return pixels
