@@ -32,11 +32,14 @@ from shrm.brdf.lobe import AnisotropicLobe, IsotropicLobe, Lobe, RadialLobe, Zon
 from shrm.brdf.material import BRDF, require_brdf
 from shrm.validation import number, real_array
 
-# Panels halve this often: the smallest, pi / 2^22, is below the narrowest lobe allowed.
 _HALVINGS = 22
+"""Halvings of the panels towards a peak: the smallest, pi / 2^22, is below the narrowest lobe allowed."""
+
+_HALVINGS_2D = 12
+"""Halvings where panels halve in two dimensions at once, to 7e-4 radians: nodes grow with the square."""
+
 _TOLERANCE = 1e-8
-# In two dimensions at once: to 7e-4 radians.
-_TOWARDS_R = 12
+"""Relative change on doubling the nodes below which an integral is taken: a hundredth of what is promised."""
 
 
 def directional_albedo(brdf: BRDF, cos_theta_v: npt.ArrayLike, phi_v: float = 0.0) -> FloatArray:
@@ -79,7 +82,7 @@ def directional_albedo(brdf: BRDF, cos_theta_v: npt.ArrayLike, phi_v: float = 0.
 
 
 def _settled(lobe: Lobe, cos_theta_v: float, phi_v: float) -> FloatArray:
-    """The integral of a lobe, (1,) or (3,), with as many nodes as it takes."""
+    """Integrate a lobe, (1,) or (3,), with as many nodes as it takes."""
     integral = _integral_of(lobe, phi_v)
     coarse = integral(lobe, cos_theta_v, 6)
     change = np.inf
@@ -99,6 +102,7 @@ def _settled(lobe: Lobe, cos_theta_v: float, phi_v: float) -> FloatArray:
 
 
 def _integral_of(lobe: Lobe, phi_v: float) -> Callable[[Lobe, float, int], FloatArray]:
+    """Return the quadrature for a kind of lobe: a function of lobe, cos(theta_v) and nodes per panel."""
     if isinstance(lobe, RadialLobe):
         return _radial
     if isinstance(lobe, AnisotropicLobe):
@@ -133,6 +137,8 @@ def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
     sin_v = np.sqrt((1.0 - cos_theta_v) * (1.0 + cos_theta_v))
     elevation = np.arctan2(cos_theta_v, sin_v)  # of R above the horizon
     end = np.pi - elevation  # of the hemisphere, as seen from R; all azimuths are in it up to `elevation`
+
+    # Nodes in theta, the angle from R
     edges = [
         _halving(0.0, np.pi / 2),
         elevation - _halving(0.0, elevation)[-12:],  # the range of phi has square roots at both ends
@@ -141,7 +147,8 @@ def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
         np.array([elevation, end]),
     ]
     theta, theta_weight = _gauss(np.unique(np.concatenate(edges).clip(0.0, end)), nodes)
-    # In the frame of R, N is at angle theta_v, azimuth 0, and N.L > 0 where cos(phi) > limit.
+
+    # Nodes in phi: in the frame of R, N is at angle theta_v, azimuth 0, and N.L > 0 where cos(phi) > limit.
     with np.errstate(divide="ignore", over="ignore"):
         limit = -np.divide(cos_theta_v, sin_v) / np.tan(theta)
     widest = (
@@ -150,9 +157,10 @@ def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
     half = _halving(0.0, 0.5)[-9:]
     part, part_weight = _gauss(np.unique(np.concatenate([[0.0], half, 1.0 - half, [1.0]])), nodes)
     phi = widest[:, None] * part
+
+    # L in the frame of N, where R = (-sin_v, 0, cos_v) and the axis of azimuth 0 leads from R towards N
     sine, cosine = np.sin(theta)[:, None], np.cos(theta)[:, None]
     x, y, z = sine * np.cos(phi), sine * np.sin(phi), cosine + 0.0 * phi
-    # To the frame of N: R = (-sin_v, 0, cos_v), and the axis of azimuth 0 leads from R towards N.
     wi = np.stack([cos_theta_v * x - sin_v * z, y, sin_v * x + cos_theta_v * z], axis=-1).reshape(-1, 3)
     wo = np.broadcast_to([sin_v, 0.0, cos_theta_v], wi.shape)
     weight = 2.0 * (theta_weight * np.sin(theta) * widest)[:, None] * part_weight  # 2: phi and -phi
@@ -162,17 +170,20 @@ def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
 def _anisotropic(lobe: Lobe, cos_theta_v: float, nodes: int, *, phi_v: float) -> FloatArray:
     sin_v = np.sqrt((1.0 - cos_theta_v) * (1.0 + cos_theta_v))
     theta_v = np.arctan2(sin_v, cos_theta_v)
-    # Broken at theta = theta_v, where [AS00]'s max(N.L, N.V) has a kink, and at the horizon.
+
+    # Nodes in theta, broken at theta_v, where [AS00]'s max(N.L, N.V) has a kink, and at the horizon
     below, above = (
-        theta_v - _halving(0.0, theta_v)[-_TOWARDS_R:],
+        theta_v - _halving(0.0, theta_v)[-_HALVINGS_2D:],
         theta_v + _halving(0.0, np.pi / 2 - theta_v),
     )
     theta, theta_weight = _gauss(
-        np.unique(np.concatenate([[0.0], below, above[-_TOWARDS_R:], [theta_v]])), nodes
+        np.unique(np.concatenate([[0.0], below, above[-_HALVINGS_2D:], [theta_v]])), nodes
     )
-    half = _halving(0.0, np.pi)[-_TOWARDS_R:]
+    half = _halving(0.0, np.pi)[-_HALVINGS_2D:]
     phi, phi_weight = _gauss(np.concatenate([-half[::-1], [0.0], half]), nodes)
     phi = phi + (phi_v + np.pi)  # from the azimuth of R
+
+    # L and V in the frame of N
     sine, cosine = np.sin(theta)[:, None], np.cos(theta)[:, None] + 0.0 * phi
     wi = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], axis=-1).reshape(-1, 3)
     view = [sin_v * np.cos(phi_v), sin_v * np.sin(phi_v), cos_theta_v]
@@ -181,16 +192,17 @@ def _anisotropic(lobe: Lobe, cos_theta_v: float, nodes: int, *, phi_v: float) ->
 
 
 def _weighted(weight: FloatArray, values: FloatArray) -> FloatArray:
+    """Sum values (n,) or (n, 3) with weights (n,), to (1,) or (3,)."""
     return weight @ (values if values.ndim == 2 else values[:, None])
 
 
 def _halving(start: float, end: float) -> FloatArray:
-    """Edges from start to end, each interval from start half of the next."""
+    """Return edges from start to end, each interval from start half of the next."""
     return start + (end - start) * np.concatenate([[0.0], 0.5 ** np.arange(_HALVINGS, -1, -1)])
 
 
 def _gauss(breaks: FloatArray, nodes: int) -> tuple[FloatArray, FloatArray]:
-    """Nodes and weights of Gauss-Legendre quadrature on every interval between the breaks."""
+    """Return nodes and weights of Gauss-Legendre quadrature on every interval between the breaks."""
     x, w = _legendre(nodes)
     width = np.diff(breaks)[:, None]
     points = breaks[:-1, None] + width * (0.5 * (x + 1.0))

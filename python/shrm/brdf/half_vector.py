@@ -50,14 +50,14 @@ def tangential_squares(wi: FloatArray, wo: FloatArray, h: HalfVector) -> tuple[F
 
 
 def schlick(f0: float | RGB, cos_d: FloatArray) -> FloatArray:
-    """Schlick's Fresnel term f0 + (1 - f0) (1 - cos_d)^5, (n,) or (n, 3)."""
-    rest = (1.0 - cos_d) ** 5
+    """Return Schlick's Fresnel term f0 + (1 - f0) (1 - cos_d)^5, (n,) or (n, 3)."""
+    grazing = (1.0 - cos_d) ** 5
     if isinstance(f0, tuple):
         normal = np.array(f0)
-        return normal + (1.0 - normal) * rest[:, None]
-    return f0 + (1.0 - f0) * rest
+        return normal + (1.0 - normal) * grazing[:, None]
+    return f0 + (1.0 - f0) * grazing
 
 
 def above_horizon(wi: FloatArray, wo: FloatArray) -> BoolArray:
-    """True where light reaches the eye from above the surface: N.L > 0 and N.V >= 0."""
+    """Tell, (n,) bool, where light reaches the eye from above the surface: N.L > 0 and N.V >= 0."""
     return (wi[:, 2] > 0.0) & (wo[:, 2] >= 0.0)

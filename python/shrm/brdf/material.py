@@ -240,7 +240,7 @@ def _has_no_horizon(lobe: Lobe) -> bool:
 
 
 def _does_not_change(material: BRDF) -> bool:
-    """Whether a material is a frozen dataclass that can be hashed, as all of this package are."""
+    """Tell whether a material is a frozen dataclass that can be hashed, as all of this package are."""
     parameters_of = getattr(type(material), "__dataclass_params__", None)
     if parameters_of is None or not parameters_of.frozen:
         return False

@@ -22,14 +22,14 @@ from shrm.brdf.models.sgd import SGD
 from shrm.validation import one_of
 
 Parameters = Mapping[str, Any]
-"""Of one material, by name: numbers, or three in a tuple."""
+"""Parameters of one material by their names: a number each, or a tuple of three for R, G, B."""
 
 MAKERS: Mapping[str, Callable[[Parameters, str], BRDF]] = {
     "merl-abc": lambda fit, name: ABC(**fit, label=f"merl-abc:{name}"),
     "merl-sgd": lambda fit, name: SGD(**fit, label=f"merl-sgd:{name}"),
     "lafortune": Lafortune.from_coefficients,
 }
-"""What makes a material of the parameters of each source."""
+"""Functions that make a material of its parameters and its name, by source."""
 
 
 def names(source: str) -> tuple[str, ...]:
@@ -58,17 +58,19 @@ def fit(source: str, name: str) -> BRDF:
     ValueError
         If there is no such source or material; the text names those there are.
     """
-    known = names(source)
-    if name not in known:
-        raise ValueError(f"{source}: no material {name!r}; it has {', '.join(known)}")
+    materials = names(source)
+    if name not in materials:
+        raise ValueError(f"{source}: no material {name!r}; it has {', '.join(materials)}")
     return MAKERS[source](_parameters(source)[name], name)
 
 
 @cache
 def _parameters(source: str) -> Mapping[str, Parameters]:
+    """Return the parameters of all materials of a source, by name."""
     lines = files(__name__).joinpath(f"{source}.csv").read_text(encoding="utf-8").splitlines()
-    found: dict[str, dict[str, Any]] = {}
+    parameters: dict[str, dict[str, Any]] = {}
+    # Rows are material, parameter, and one value or three; the first row names the columns.
     for name, parameter, *values in list(csv.reader(line for line in lines if not line.startswith("#")))[1:]:
         numbers = tuple(float(value) for value in values)
-        found.setdefault(name, {})[parameter] = numbers if len(numbers) > 1 else numbers[0]
-    return found
+        parameters.setdefault(name, {})[parameter] = numbers if len(numbers) > 1 else numbers[0]
+    return parameters

@@ -56,17 +56,17 @@ COORDINATES: Mapping[str, tuple[tuple[str, float, float], ...]] = {
         ("dphi", -2 * np.pi, 2 * np.pi),
     ),
 }
-"""What each PARAM_IN holds: names and ranges."""
+"""Coordinates of each PARAM_IN: their names and ranges, radians."""
 
 CHANNELS: Mapping[str, int] = {"RGB_COLOR": 3, "INV_STERADIAN": 1}
-"""Numbers of each PARAM_OUT."""
+"""Values in a row of each PARAM_OUT."""
 
 _ROUNDING = 1e-9
-"""Radians by which the angles of a row itself may exceed it."""
+"""Radians by which the angles of a measured pair of directions may exceed those of its row, by rounding."""
 
 
 def recognises(head: bytes, size: int) -> bool:
-    """Whether a file begins so: a line #DIM or #PARAM_IN."""
+    """Tell whether the first bytes of a file hold a line #DIM or #PARAM_IN."""
     content = text.decoded(head)
     return content is not None and any(
         line.split()[:1] in (["#DIM"], ["#PARAM_IN"]) for line in content.splitlines()
@@ -94,6 +94,7 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     ValueError
         If it is not as described above; the text names the file and what is wrong.
     """
+    # Rows with data, in three channels
     name, coordinates, values = _parsed(path)
     present = values.min(axis=1) >= 0.0
     notes = [f"{int(np.sum(present))} rows over {name}"]
@@ -102,6 +103,8 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     if np.sum(present) < 2:
         raise ValueError(f"{path}: {np.sum(present)} rows have data, at least 2 are needed")
     coordinates, values = coordinates[present], np.repeat(values[present], 3 // values.shape[1], axis=1)
+
+    # By half angles alone, or over the directions of light and eye
     if name == "COS_TH":
         function, covers = _of_half_angle(np.arccos(coordinates[:, 0]), values, extrapolate)
     elif name == "RUSIN_TH_TD":
@@ -143,9 +146,9 @@ class HalfAngleProfile(Value):
 
     def __call__(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Evaluate rho_hat, (n, 3) float64, at unit vectors (n, 3)."""
-        at = _half_angle(wi, wo)
-        result = np.stack([np.interp(at, self.theta_h, column) for column in self.values], axis=1)
-        inside = at <= self.theta_h[-1] + _ROUNDING
+        theta_h = _half_angle(wi, wo)
+        result = np.stack([np.interp(theta_h, self.theta_h, column) for column in self.values], axis=1)
+        inside = theta_h <= self.theta_h[-1] + _ROUNDING
         result *= wi[:, 2:] if self.extrapolate == "nearest" else (wi[:, 2] * inside)[:, None]
         return result
 
@@ -212,7 +215,7 @@ def _of_half_and_difference(
 
 
 def _directions(name: str, coordinates: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Unit vectors to the light and to the eye, (n, 3), of coordinates of three dimensions."""
+    """Return unit vectors to the light and to the eye, (n, 3), at coordinates of three dimensions."""
     first, second, third = coordinates.T
     if name == "RUSIN_TH_TD_PD":
         wo, wi = from_half_angles(first, second, third)
@@ -223,7 +226,8 @@ def _directions(name: str, coordinates: FloatArray) -> tuple[FloatArray, FloatAr
 
 
 def _parsed(path: Path) -> tuple[str, FloatArray, FloatArray]:
-    """The name of the coordinates, these, (n, 1 to 3), and the values, (n, 1 or 3)."""
+    """Return the name of the coordinates, the coordinates, (n, 1 to 3), and the values, (n, 1 or 3)."""
+    # The header
     lines = text.lines(path)
     header = {}
     for line in lines:
@@ -240,6 +244,8 @@ def _parsed(path: Path) -> tuple[str, FloatArray, FloatArray]:
             f"{path}: {name} and {kind} need the line #DIM {inputs} {outputs}, got "
             f"{' '.join(['#DIM', *header['#DIM']])[:60] if '#DIM' in header else 'none'}"
         )
+
+    # The rows of numbers, without columns for intervals of confidence
     content = [line for line in lines if not line.startswith("#")]
     if len(content) > MOST_PLACES:
         raise ValueError(f"{path}: {len(content)} rows are too many, at most {MOST_PLACES} are taken")
@@ -248,18 +254,21 @@ def _parsed(path: Path) -> tuple[str, FloatArray, FloatArray]:
     if further < 0 or (further > 0 and header.get("#VS", ["0"])[:1] == ["0"]):
         raise ValueError(f"{path}: rows must have {inputs} + {outputs} numbers, got {rows.shape[1]}")
     coordinates, values = rows[:, :inputs], rows[:, inputs : inputs + outputs]
-    for column, (what, least, most) in enumerate(COORDINATES[name]):
+
+    # Ranges; coordinates beyond theirs by rounding are taken for its end
+    for column, (coordinate, least, most) in enumerate(COORDINATES[name]):
         inside = np.clip(coordinates[:, column], least, most)
         rounded = np.abs(inside - coordinates[:, column]) < 1e-9
         coordinates[rounded, column] = inside[rounded]
-        text.require_range(path, what, coordinates[:, column], least, most)
+        text.require_range(path, coordinate, coordinates[:, column], least, most)
     text.require_range(path, "values", values, -np.inf, 1e9)
     return name, coordinates, values
 
 
-def _one_of(path: Path, header: Mapping[str, Sequence[str]], key: str, known: Mapping[str, object]) -> str:
+def _one_of(path: Path, header: Mapping[str, Sequence[str]], key: str, options: Mapping[str, object]) -> str:
+    """Return the one word of a header line, which must be among the options."""
     words = header.get(key, [])
-    if len(words) != 1 or words[0] not in known:
+    if len(words) != 1 or words[0] not in options:
         got = " ".join(words)[:60] if words else "none"
-        raise ValueError(f"{path}: {key} must be one of {', '.join(known)}, got {got}")
+        raise ValueError(f"{path}: {key} must be one of {', '.join(options)}, got {got}")
     return words[0]

@@ -29,11 +29,11 @@ from shrm.brdf.measured.scattered import GRAZING, MOST_PLACES, interpolated
 from shrm.brdf.measured.spectrum import linear_srgb_from_xyz, to_xyz
 
 FEWEST = 10
-"""Geometries of a file."""
+"""Fewest geometries with data that a material is interpolated from."""
 
 
 def recognises(head: bytes, size: int) -> bool:
-    """Whether a file begins so: a lone count of wavelengths, then that many increasing numbers."""
+    """Tell whether a file begins with a lone count of wavelengths, then a number of nanometers."""
     content = text.decoded(head)
     if content is None or "#DIM" in content or "#PARAM" in content:
         return False
@@ -60,7 +60,7 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     Returns
     -------
     Measured
-        Its function looks a table up, 2 MB.
+        A material that is evaluated by look-up in a table of 2 MB.
 
     Raises
     ------
@@ -69,6 +69,7 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     ValueError
         If it is not as described above; the text names the file and what is wrong.
     """
+    # Geometries with data, their colors and directions
     angles, wavelengths, spectra = _parsed(path)
     present = spectra.min(axis=1) >= 0.0
     missing = int(np.sum(~present))
@@ -78,6 +79,8 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     xyz = _colors(path, wavelengths, spectra[present])
     outside = int(np.sum(linear_srgb_from_xyz(xyz).min(axis=1) < 0.0))
     wi, wo = (_directions(theta, phi) for theta, phi in (angles[:, :2].T, angles[:, 2:].T))
+
+    # Remarks on what was measured
     notes = [
         f"{len(angles)} geometries, light to {np.degrees(angles[:, 0].max()):.1f} and eye to "
         f"{np.degrees(angles[:, 2].max()):.1f} degrees from the normal",
@@ -86,6 +89,8 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     ]
     if missing:
         notes.append(f"{missing} geometries have negative values: no data, filled from the others")
+
+    # Interpolation in XYZ, resampled as linear sRGB
     brdf = interpolated(wi, wo, xyz)
     theta_i, theta_s = (min(float(angles[:, column].max()), GRAZING) for column in (0, 2))
     covers = Cones(theta_i, theta_s)
@@ -109,7 +114,8 @@ def _colors(path: Path, wavelengths: FloatArray, spectra: FloatArray) -> FloatAr
 
 
 def _parsed(path: Path) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The angles (n, 4), the wavelengths (K,) and the spectra (n, K)."""
+    """Return the angles (n, 4), radians, the wavelengths (K,), nm, and the spectra (n, K)."""
+    # The number of wavelengths
     words = [word for line in text.lines(path) for word in line.partition("#")[0].split()]
     if not words or not words[0].isdecimal() or not words[0].isascii() or len(words[0]) > 18:
         raise ValueError(
@@ -118,15 +124,19 @@ def _parsed(path: Path) -> tuple[FloatArray, FloatArray, FloatArray]:
     count = int(words[0])
     if not 2 <= count <= len(words) - 1:
         raise ValueError(f"{path}: {count} wavelengths are declared, and {len(words) - 1} numbers follow")
+
+    # The wavelengths, and a row for each geometry
     values = text.numbers(path, words[1:])
-    wavelengths, rest = values[:count], values[count:]
-    if len(rest) % (4 + count) or not len(rest):
+    wavelengths, numbers = values[:count], values[count:]
+    if len(numbers) % (4 + count) or not len(numbers):
         raise ValueError(
-            f"{path}: rows must have 4 + {count} numbers, but {len(rest)} are left, no multiple of that"
+            f"{path}: rows must have 4 + {count} numbers, but {len(numbers)} are left, no multiple of that"
         )
-    rows = rest.reshape(-1, 4 + count)
+    rows = numbers.reshape(-1, 4 + count)
     if len(rows) > MOST_PLACES:
         raise ValueError(f"{path}: {len(rows)} geometries are too many, at most {MOST_PLACES} are taken")
+
+    # Ranges
     if np.any(np.diff(wavelengths) <= 0.0):
         raise ValueError(f"{path}: wavelengths must increase")
     text.require_range(path, "wavelengths (nm)", wavelengths, 100.0, 1e5)

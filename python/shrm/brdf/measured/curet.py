@@ -31,18 +31,19 @@ from shrm.brdf.measured.measured import Extrapolate, Measured
 from shrm.brdf.measured.resampled import Cones, Function, resampled, within
 
 MEASUREMENTS = 205
-"""Of a sample of the database."""
+"""Pairs of directions at which each sample of the database was measured."""
 
 ORDERS = {5: 2, 55: 8}
 """Order of a fit by its number of coefficients."""
 
 FITTED_ORDER = 8
+"""Order that measurements are fitted by: the higher of the two that the database publishes."""
 
 _CHANNEL_FILE = re.compile(r"(?P<before>kp[28]?)?(?P<channel>[rgb])(?P<after>(?:brdf)?\.dat)")
 
 
 def recognises(head: bytes, size: int) -> bool:
-    """Whether a file begins so: a row of one of the lengths above."""
+    """Tell whether a file begins with a row of numbers of one of the lengths above."""
     content = text.decoded(head)
     if content is None or "#DIM" in content or "#PARAM" in content:
         return False
@@ -52,9 +53,9 @@ def recognises(head: bytes, size: int) -> bool:
     first = lines[0]
     if len(first) in (5, 7):
         return all(0.0 <= float(word) <= np.pi / 2 for word in (first[0], first[2]))
-    whole = len(lines) > 1 or size <= len(head)  # else the row goes on beyond the head
+    complete = len(lines) > 1 or size <= len(head)  # else the row goes on beyond the head
     counts = (*(1 + count for count in ORDERS), 1 + MEASUREMENTS)
-    return first[0].isdecimal() and (len(first) in counts if whole else len(first) <= max(counts))
+    return first[0].isdecimal() and (len(first) in counts if complete else len(first) <= max(counts))
 
 
 def read(path: Path, extrapolate: Extrapolate = "nearest", *, sample: int | None = None) -> Measured:
@@ -73,7 +74,7 @@ def read(path: Path, extrapolate: Extrapolate = "nearest", *, sample: int | None
     Returns
     -------
     Measured
-        Its function looks a table up, 2 MB.
+        A material that is evaluated by look-up in a table of 2 MB.
 
     Raises
     ------
@@ -113,25 +114,28 @@ def _rows(path: Path) -> FloatArray:
 
 
 def _channels(path: Path, rows: FloatArray, sample: int | None) -> tuple[int, FloatArray]:
-    """The number of a sample, and its row in each channel's file, (3, count); thrice the same if grey."""
+    """Return the number of a sample and its row in each channel's file, (3, count); thrice one if gray."""
     number = _sample(path, rows, sample)
+
+    # The files of red, green and blue, where all three lie together
     match = _CHANNEL_FILE.fullmatch(path.name)
     names = [f"{match['before'] or ''}{channel}{match['after']}" for channel in "rgb"] if match else []
     files = [path.with_name(name) for name in names]
     if not files or not all(file.exists() for file in files):
         return number, np.repeat(_row(path, rows, number), 3, axis=0)
-    found = []
+    channels = []
     for file in files:
         channel = _rows(file)
         if channel.shape[1] != rows.shape[1]:
             raise ValueError(
                 f"{file}: has rows of {channel.shape[1]} numbers, {path.name} of {rows.shape[1]}"
             )
-        found.append(_row(file, channel, number))
-    return number, np.concatenate(found)
+        channels.append(_row(file, channel, number))
+    return number, np.concatenate(channels)
 
 
 def _sample(path: Path, rows: FloatArray, sample: int | None) -> int:
+    """Return the number of a sample: the one that is asked for, or the only one of the file."""
     if sample is not None:
         return sample
     if len(rows) > 1:
@@ -143,21 +147,25 @@ def _sample(path: Path, rows: FloatArray, sample: int | None) -> int:
 
 
 def _row(path: Path, rows: FloatArray, number: int) -> FloatArray:
-    at = np.flatnonzero(rows[:, 0] == number)
-    if len(at) != 1:
-        raise ValueError(f"{path}: has {len(at)} rows for sample {number}, must have 1")
-    return rows[at, 1:]
+    """Return the row of a sample, (1, count), without its number."""
+    matches = np.flatnonzero(rows[:, 0] == number)
+    if len(matches) != 1:
+        raise ValueError(f"{path}: has {len(matches)} rows for sample {number}, must have 1")
+    return rows[matches, 1:]
 
 
 def _fitted(
     path: Path, number: int | None, angles: FloatArray, values: FloatArray, extrapolate: Extrapolate
 ) -> Measured:
-    """A material of measurements: angles (n, 4), theta_i phi_i theta_v phi_v, and values (n, 1 or 3)."""
+    """Fit a material to measurements at angles (n, 4), theta_i phi_i theta_v phi_v, values (n, 1 or 3)."""
+    # Ranges
     for column, name in ((0, "theta_i"), (2, "theta_v")):
         text.require_range(path, f"{name} (radians)", angles[:, column], 0.0, np.pi / 2)
     for column, name in ((1, "phi_i"), (3, "phi_v")):
         text.require_range(path, f"{name} (radians)", angles[:, column], -7.0, 7.0)
     text.require_range(path, "values", values, -np.inf, 1e9)
+
+    # Measurements with data, enough of them for the fit, in three channels
     present = values.min(axis=1) >= 0.0
     least = len(koenderink_van_doorn.indices(FITTED_ORDER))
     if np.sum(present) < least:
@@ -167,6 +175,8 @@ def _fitted(
         np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1)
         for theta, phi in (angles[:, :2].T, angles[:, 2:].T)
     )
+
+    # The fit, and how well it holds the measurements
     coefficients = koenderink_van_doorn.fit(FITTED_ORDER, wi, wo, values)
     residual = koenderink_van_doorn.evaluate(FITTED_ORDER, wi, wo) @ coefficients - values
     relative = np.linalg.norm(residual) / max(float(np.linalg.norm(values)), 1e-300)
@@ -176,6 +186,7 @@ def _fitted(
     ]
     if missing := int(np.sum(~present)):
         notes.append(f"{missing} measurements are negative: no data, left out")
+
     # The basis is reciprocal: what was measured of one direction is known of the other.
     limit = float(angles[:, [0, 2]].max())
     return _material(path, number, coefficients, FITTED_ORDER, limit, extrapolate, notes)
@@ -190,6 +201,7 @@ def _material(
     extrapolate: Extrapolate,
     notes: list[str],
 ) -> Measured:
+    """Make a material of coefficients (coefficients, 3) that hold up to `limit` radians from the normal."""
     text.require_range(path, "coefficients", coefficients, -1e9, 1e9)
 
     def brdf(wi: FloatArray, wo: FloatArray) -> FloatArray:
@@ -207,7 +219,7 @@ def _material(
 
 
 def _share_below_zero(brdf: Function) -> float:
-    """The part of pairs of directions, even in projected solid angle, where a channel is below 0."""
+    """Return the part of pairs of directions, even in projected solid angle, where a channel is below 0."""
     middle = (np.arange(16) + 0.5) / 16
     cos2_i, cos2_v, phi = (x.ravel() for x in np.meshgrid(middle, middle, np.pi * middle, indexing="ij"))
     wi = np.stack([np.sqrt(1.0 - cos2_i), np.zeros_like(phi), np.sqrt(cos2_i)], axis=1)

@@ -100,19 +100,19 @@ def fit(order: int, wi: FloatArray, wo: FloatArray, values: FloatArray) -> Float
 
 
 def _thetas(order: int, cos_theta: FloatArray) -> dict[tuple[int, int], FloatArray]:
-    """Theta_n^l at each colatitude, by (n, l)."""
+    """Return Theta_n^l at each colatitude, by (n, l)."""
     square = np.clip(1.0 - cos_theta, 0.0, 1.0)  # of the radius: 2 sin^2(theta / 2)
     radius = np.sqrt(square)
-    found = {}
+    thetas = {}
     for l in range(order + 1):
         for n in range(l, order + 1, 2):
             polynomial = np.polynomial.polynomial.polyval(square, _radial(n, l))
-            found[n, l] = math.sqrt((n + 1) / (2.0 * math.pi)) * polynomial * radius**l
-    return found
+            thetas[n, l] = math.sqrt((n + 1) / (2.0 * math.pi)) * polynomial * radius**l
+    return thetas
 
 
 def _radial(n: int, l: int) -> FloatArray:
-    """Coefficients of R_n^l(r) / r^l in powers of r^2, the lowest first: Zernike's polynomial, 1 at r = 1."""
+    """Return the coefficients of R_n^l(r) / r^l, Zernike's polynomial, in powers of r^2, the lowest first."""
     half_sum, half_difference = (n + l) // 2, (n - l) // 2
     highest_first = [
         (-1) ** s

@@ -1,4 +1,4 @@
-"""Which format a file of measurements has: recognised by its content, not by its name."""
+"""Reading of measured materials: the format of a file is recognised by its content, not by its name."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ class Format(Protocol):
     """A module that reads one format."""
 
     def __hash__(self) -> int:
-        """As every module has: what is kept is found by it."""
+        """Return the module's hash, a part of the key under which materials are kept."""
 
     def recognises(self, head: bytes, size: int) -> bool:
-        """Whether a file begins so, the first `HEAD` bytes of `size`."""
+        """Tell whether a file of `size` bytes that begins with `head` is of the format."""
 
     def read(self, path: Path, extrapolate: Extrapolate) -> Measured:
-        """Read it; ValueError, naming the file, if it is not as the format has it."""
+        """Read a file; ValueError, naming the file, if it is not as the format has it."""
 
 
 FORMATS: Sequence[Format] = (rgl, alta, cornell, curet, merl)
-"""In the order they are asked: those with a magic word first."""
+"""Formats in the order in which they are tried: those with a magic word first."""
 
 HEAD = 4096
-"""Bytes that tell."""
+"""Bytes at the beginning of a file by which formats recognise it: one page."""
 
 
 def load(path: PathLike, *, extrapolate: Extrapolate = "nearest", sample: int | None = None) -> Measured:
@@ -47,7 +47,7 @@ def load(path: PathLike, *, extrapolate: Extrapolate = "nearest", sample: int | 
     path : path
         The file.
     extrapolate : {"nearest", "zero"}
-        How directions without data, at grazing angles above all, are filled: with the nearest value in the
+        The filling of directions without data, at grazing angles above all: the nearest value in the
         coordinates of the file, or black.
     sample : int, optional
         The number of a sample in a file of several, as CUReT's are.
@@ -55,9 +55,9 @@ def load(path: PathLike, *, extrapolate: Extrapolate = "nearest", sample: int | 
     Returns
     -------
     Measured
-        A material like any other, in linear sRGB; the same one for a file that has not changed (but
-        for CUReT's, which may be several). What it lacks in reciprocity, or has too much of energy, is as it
-        was measured: `shrm.lobes.measurement_quality` and `shrm info` report it.
+        A material like any other, in linear sRGB; the same object for a file that has not changed (except
+        CUReT's, which may be several files). Errors of reciprocity and energy stay as they were measured:
+        `shrm.lobes.measurement_quality` and `shrm info` report them.
 
     Raises
     ------
@@ -70,25 +70,29 @@ def load(path: PathLike, *, extrapolate: Extrapolate = "nearest", sample: int | 
         If `extrapolate` is none of those.
     """
     one_of("extrapolate", extrapolate, get_args(Extrapolate))
-    file = Path(path)
-    at = file.stat()
-    if stat.S_ISDIR(at.st_mode):
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    if not stat.S_ISREG(at.st_mode):  # a pipe would be waited for
-        raise MeasurementError(f"{path}: is no regular file")
     number = None if sample is None else whole_number("sample", sample, 0)
-    known = recognised(file)
-    if known is None:
+
+    # A regular file, of a known format
+    file = Path(path)
+    status = file.stat()
+    if stat.S_ISDIR(status.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(status.st_mode):  # a pipe would be waited for
+        raise MeasurementError(f"{path}: is no regular file")
+    file_format = recognised(file)
+    if file_format is None:
         raise MeasurementError(
-            f"{path}: {_what_else(file)} (MERL .binary, RGL .bsdf, Cornell .brdf, CUReT, ALTA)"
+            f"{path}: {_why_unknown(file)} (MERL .binary, RGL .bsdf, Cornell .brdf, CUReT, ALTA)"
         )
-    if known is curet:  # reads the files of other channels beside it
-        return _read(known, file, extrapolate, number)
-    return _kept(known, file, extrapolate, number, at.st_mtime_ns, at.st_size)
+
+    # Kept until the file changes; CUReT's reader also reads the files of other channels beside it.
+    if file_format is curet:
+        return _read(file_format, file, extrapolate, number)
+    return _read_once(file_format, file, extrapolate, number, status.st_mtime_ns, status.st_size)
 
 
-def _what_else(path: Path) -> str:
-    """What a file is that no format recognises."""
+def _why_unknown(path: Path) -> str:
+    """Describe a file that no format recognises."""
     with path.open("rb") as opened:
         head = opened.read(HEAD)
     if head.lstrip()[:1] == b"{":
@@ -98,19 +102,21 @@ def _what_else(path: Path) -> str:
 
 # A file that has not changed gives the same material, so that what is computed for it is found again.
 @lru_cache(maxsize=8)
-def _kept(
-    known: Format, path: Path, extrapolate: Extrapolate, sample: int | None, mtime: int, size: int
+def _read_once(
+    file_format: Format, path: Path, extrapolate: Extrapolate, sample: int | None, mtime: int, size: int
 ) -> Measured:
-    return _read(known, path, extrapolate, sample)
+    """Read a file by its format, once for each time (ns) and size (bytes) of it."""
+    return _read(file_format, path, extrapolate, sample)
 
 
-def _read(known: Format, path: Path, extrapolate: Extrapolate, sample: int | None) -> Measured:
+def _read(file_format: Format, path: Path, extrapolate: Extrapolate, sample: int | None) -> Measured:
+    """Read a file by its format; what is wrong with it is a MeasurementError."""
     try:
-        if known is curet:
+        if file_format is curet:
             return curet.read(path, extrapolate, sample=sample)
         if sample is not None:
             raise ValueError(f"{path}: holds one material, which has no number, got sample {sample}")
-        return known.read(path, extrapolate)
+        return file_format.read(path, extrapolate)
     except ValueError as fault:
         raise MeasurementError(str(fault)) from None
 
@@ -128,4 +134,4 @@ def recognised(path: Path) -> Format | None:
     with path.open("rb") as opened:
         head = opened.read(HEAD)
         size = os.fstat(opened.fileno()).st_size
-    return next((known for known in FORMATS if known.recognises(head, size)), None)
+    return next((each for each in FORMATS if each.recognises(head, size)), None)

@@ -24,8 +24,8 @@ from shrm.brdf.material import BRDF
 from shrm.brdf.value import Method, Value
 
 Extrapolate = Literal["nearest", "zero"]
-"""How directions without data are filled: with the value of the nearest that have some, in the coordinates of
-the file (RGL's files continue their values themselves), the default; or with nothing, black."""
+"""The filling of directions without data: "nearest", the default, takes the value of the nearest with data in
+the coordinates of the file (RGL's files continue their values themselves); "zero" leaves them black."""
 
 
 class MeasurementError(ValueError):
@@ -48,9 +48,9 @@ class Measured(BRDF, Value):
     covers : callable
         wi, wo, (n, 3) float64, to (n,) bool: where there is data; elsewhere `function` fills.
     extrapolate : {"nearest", "zero"}
-        How it fills.
+        The filling of directions without data.
     notes : tuple of str
-        What else there is to know, a line each: a description, the illuminant, values that were negative.
+        Remarks, a line each: a description, the illuminant, values that were negative.
     """
 
     label: str
@@ -67,7 +67,7 @@ class Measured(BRDF, Value):
 
     @property
     def name(self) -> str:
-        """Such as "krylon_blue (Cornell)"; no text for `parse`, which needs the file."""
+        """A description such as "krylon_blue (Cornell)", which `parse` does not read: it needs the file."""
         return f"{self.label} ({self.source})"
 
     def _transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:

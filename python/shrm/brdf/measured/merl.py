@@ -32,7 +32,7 @@ from shrm.brdf.measured.measured import Extrapolate, Measured
 from shrm.brdf.value import Method, Value
 
 SCALE = (1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0)
-"""From the numbers of a file to the BRDF, per steradian, by channel."""
+"""Factors, by channel, from the numbers of a file to the BRDF, per steradian."""
 
 _PUBLISHED = (90, 90, 180)
 _MOST_ENTRIES = 4_000_000  # 96 MB; a file of the database has 1,458,000
@@ -63,11 +63,14 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
         If its size is not that of its dimensions, they are absurd, or it has no data or data that are not
         finite, in one line that names it.
     """
+    # What the file has
     values = _entries(path)
     has_data: BoolArray = np.all(values >= 0.0, axis=-1)
     if not has_data.any():
         raise ValueError(f"{path}: has no data, every entry is negative")
     notes = _notes(values, has_data)
+
+    # A table without handedness and without holes
     _symmetrise(values, has_data)
     if extrapolate == "zero":
         values[~has_data] = 0.0
@@ -123,8 +126,9 @@ def _size(shape: tuple[int, int, int]) -> int:
 
 
 def _entries(path: Path) -> Float32Array:
-    """The BRDF, (n_h, n_d, n_phi, 3), negative where there is none."""
+    """Read the BRDF, (n_h, n_d, n_phi, 3), negative where there is none."""
     with path.open("rb") as file:
+        # The shape, checked against the size of the file
         shape, size = _shape(file.read(12)), file.seek(0, 2)
         if shape is None:
             raise ValueError(f"{path}: a MERL file starts with three numbers, this one has {size} bytes")
@@ -138,6 +142,8 @@ def _entries(path: Path) -> Float32Array:
                 f"{path}: {' x '.join(str(n) for n in shape)} entries take {_size(shape)} bytes, "
                 f"but the file has {size}"
             )
+
+        # One channel after another, in little memory
         file.seek(12)
         values = np.empty((*shape, 3), np.float32)
         for channel, (color, scale) in enumerate(zip(("red", "green", "blue"), SCALE, strict=True)):
@@ -155,6 +161,7 @@ def _entries(path: Path) -> Float32Array:
 
 
 def _notes(values: Float32Array, has_data: BoolArray) -> tuple[str, ...]:
+    """Describe what a table lacks: data, and likeness to its mirror image."""
     notes = []
     if missing := int(np.sum(~has_data)):
         notes.append(f"{missing} of {has_data.size} entries have no data")
@@ -167,11 +174,11 @@ def _notes(values: Float32Array, has_data: BoolArray) -> tuple[str, ...]:
 
 
 def _symmetrise(values: Float32Array, has_data: BoolArray) -> None:
-    """Make a table its own mirror image, in place: the mean where both have data, else that of one."""
-    there, mirrored = has_data.copy(), has_data[:, :, ::-1].copy()
+    """Make a table its own mirror image, in place: the mean of both sides, or the one that has data."""
+    original, mirrored = has_data.copy(), has_data[:, :, ::-1].copy()
     image = values[:, :, ::-1].copy()
-    np.copyto(image, values, where=(there & ~mirrored)[..., None])
-    np.copyto(values, image, where=(~there & mirrored)[..., None])
+    np.copyto(image, values, where=(original & ~mirrored)[..., None])
+    np.copyto(values, image, where=(~original & mirrored)[..., None])
     values += image
     values *= 0.5
     has_data |= mirrored
@@ -183,17 +190,20 @@ def _fill(values: Float32Array, has_data: BoolArray) -> None:
     The table is its own mirror image and stays it: half of it is filled, and has the nearest entries of all.
     """
     half = (values.shape[2] + 1) // 2
-    whole, values, filled = values, values[:, :, :half], has_data[:, :, :half]
+    table, values, filled = values, values[:, :, :half], has_data[:, :, :half]
     for axis in (2, 1, 0):
+        # The nearest entries with data before and after each; -n and 2 n where there is none
         n = filled.shape[axis]
         index = np.arange(n, dtype=np.int32).reshape([n if k == axis else 1 for k in range(3)])
         before = np.maximum.accumulate(np.where(filled, index, -n), axis=axis)
         after = np.flip(np.minimum.accumulate(np.flip(np.where(filled, index, 2 * n), axis), axis=axis), axis)
+
+        # The nearer of the two, copied to the entries that it fills
         source = np.where(index - before <= after - index, before, after)
-        found = (source >= 0) & (source < n)
-        wanted = np.nonzero(found & ~filled)
-        origin = list(wanted)
-        origin[axis] = source[wanted]
-        values[wanted] = values[tuple(origin)]
-        filled = found
-    whole[:, :, -half:] = values[:, :, ::-1].copy()  # of an odd number, the middle one is in both halves
+        has_source = (source >= 0) & (source < n)
+        holes = np.nonzero(has_source & ~filled)
+        origin = list(holes)
+        origin[axis] = source[holes]
+        values[holes] = values[tuple(origin)]
+        filled = has_source
+    table[:, :, -half:] = values[:, :, ::-1].copy()  # of an odd number, the middle one is in both halves

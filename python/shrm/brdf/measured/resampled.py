@@ -19,12 +19,15 @@ from shrm.brdf.measured.measured import Extrapolate
 from shrm.brdf.value import Value
 
 SHAPE = (46, 91, 37)
-"""Nodes in theta_h, theta_d and phi_d."""
+"""Nodes in theta_h, theta_d and phi_d: 2 MB, exact to .2% where data is known to 1% (see `cornell`)."""
 
 _BLOCK = 16384  # nodes evaluated at once: a fit's basis functions there take 7 MB, not 70
 
 Function = Callable[[FloatArray, FloatArray], FloatArray]
+"""Maps wi, wo, (n, 3) float64 unit vectors, to values (n, c) float64."""
+
 Covers = Callable[[FloatArray, FloatArray], BoolArray]
+"""Tells, (n,) bool, where there is data at wi, wo, (n, 3) float64 unit vectors."""
 
 
 def resampled(brdf: Function, covers: Covers, extrapolate: Extrapolate) -> Function:
@@ -122,7 +125,7 @@ def half_angle_nodes(shape: tuple[int, int, int]) -> tuple[FloatArray, FloatArra
 def from_half_angles(
     theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return wi and wo, (n, 3), of half angles (n,) [R98]: H at azimuth 0, wi at (theta_d, phi_d) from it."""
+    """Return wi and wo, (n, 3), at half angles (n,) [R98]: H at azimuth 0, wi at (theta_d, phi_d) from it."""
     along, across = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d)
     sin_h, cos_h, cos_d = np.sin(theta_h), np.cos(theta_h), np.cos(theta_d)
     wi = np.stack([along * cos_h + cos_d * sin_h, across, cos_d * cos_h - along * sin_h], axis=1)

@@ -65,6 +65,8 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     file = open_tensor_file(path)
     theta_i = _theta_i(file)
     notes = _description(file)
+
+    # The distributions of normals: shapes, and no negative densities
     distributions = {"vndf": file.read("vndf", "f4", 4), "ndf": file.read("ndf", "f4", 2)}
     sigma = file.read("sigma", "f4", 2)
     _require_squares(path, len(theta_i), vndf=distributions["vndf"])
@@ -81,12 +83,15 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
     if not vndf.any(axis=(1, 2)).all():
         raise ValueError(f"{path}: vndf must not be 0 at a whole theta_i")
 
+    # The measurements
     values = _colors(file, len(theta_i))
     if negative := int(np.sum(values < 0.0)):
         notes += (f"{negative} of {values.size} colors were negative, outside sRGB's gamut: 0 there",)
     size = np.abs(values).mean(dtype=np.float64)
     if (handedness := np.abs(values - values[:, ::-1]).mean(dtype=np.float64)) > 1e-3 * size:
         notes += (f"differs by {handedness / size:.1%} from its mirror image, phi_i - phi_o reversed",)
+
+    # Where they must be multiplied by ndf / (4 sigma), the products stay in range.
     has_jacobian = _jacobian(file)
     if has_jacobian:
         with np.errstate(over="ignore"):
@@ -96,6 +101,8 @@ def read(path: Path, extrapolate: Extrapolate = "nearest") -> Measured:
                 f"{path}: values times ndf / (4 sigma) must be below {parameters.LARGEST:g}, "
                 f"got up to {largest:g}"
             )
+
+    # The material, by look-up in these tables
     table = AdaptiveTable(
         theta_i=theta_i,
         vndf=np.ascontiguousarray(vndf),
@@ -174,7 +181,7 @@ def _theta_i(file: TensorFile) -> FloatArray:
 
 
 def _colors(file: TensorFile, slices: int) -> Float32Array:
-    """The samples as linear sRGB, (theta_i, k, k, 3)."""
+    """Return the samples as linear sRGB, (theta_i, k, k, 3)."""
     if "rgb" in file.fields or "spectra" not in file.fields:
         rgb = file.read("rgb", "f4", 5)
         _require_squares(file.path, slices, 3, rgb=rgb)
@@ -192,14 +199,15 @@ def _colors(file: TensorFile, slices: int) -> Float32Array:
 
 
 def _require_squares(path: Path, slices: int, *channels: int, **field: npt.NDArray[Any]) -> None:
-    """A field must have a table of two rows and columns or more for each theta_i (and channel)."""
+    """Refuse a field without a table of two rows and columns or more for each theta_i (and channel)."""
     ((name, values),) = field.items()
     if values.shape[:-2] != (1, slices, *channels) or min(values.shape[-2:]) < 2:
-        wanted = ", ".join(str(n) for n in (1, slices, *channels))
-        raise ValueError(f"{path}: {name} must have the shape ({wanted}, n, n), n >= 2, got {values.shape}")
+        needed = ", ".join(str(n) for n in (1, slices, *channels))
+        raise ValueError(f"{path}: {name} must have the shape ({needed}, n, n), n >= 2, got {values.shape}")
 
 
 def _jacobian(file: TensorFile) -> bool:
+    """Tell whether the values must be multiplied by ndf / (4 sigma)."""
     flag = file.read("jacobian", "u1", 1)
     if flag.shape != (1,) or flag[0] > 1:
         raise ValueError(f"{file.path}: jacobian must be 0 or 1, got {flag[:4]}")
@@ -207,7 +215,7 @@ def _jacobian(file: TensorFile) -> bool:
 
 
 def _valid(file: TensorFile, shape: tuple[int, ...]) -> BoolArray:
-    """Which samples are measured: all, unless the file says."""
+    """Return which samples are measured, (theta_i, k, k) bool: all, unless the file says otherwise."""
     count = int(np.prod(shape))
     if "valid" not in file.fields:
         return np.ones(shape, bool)
@@ -226,6 +234,6 @@ def _description(file: TensorFile) -> tuple[str, ...]:
 
 
 def _middle_row(table: Float32Array) -> Float32Array:
-    """A table over (phi, theta) at phi = 0, halfway."""
+    """Return the row of a table over (phi, theta) at phi = 0, which is halfway."""
     half = (len(table) - 1) / 2
     return np.asarray(0.5 * (table[int(np.floor(half))] + table[int(np.ceil(half))]), np.float32)

@@ -37,10 +37,10 @@ from shrm.arrays import FloatArray
 from shrm.brdf.measured.resampled import Function
 
 MOST_PLACES = 4000
-"""Of one spline: it solves a dense system of that many equations, 128 MB."""
+"""Most places of one spline: it solves a dense system of as many equations, 128 MB."""
 
 GRAZING = np.radians(89.5)
-"""Angles beyond are taken for it where both cosines divide."""
+"""Largest angle from the normal whose cosine values are divided by, radians; larger ones are taken for it."""
 
 _PRODUCT = 200_000
 """Multiplications of one matrix product, below OpenBLAS's threshold for threads: in many small products
@@ -93,6 +93,7 @@ def coordinates(wi: FloatArray, wo: FloatArray) -> FloatArray:
 
 
 def _cosines(wi: FloatArray, wo: FloatArray) -> FloatArray:
+    """Return N.L N.V, (n, 1), of angles up to `GRAZING`."""
     least = np.cos(GRAZING)
     cosines: FloatArray = np.maximum(wi[:, 2:], least) * np.maximum(wo[:, 2:], least)
     return cosines
@@ -118,12 +119,16 @@ class ThinPlateSpline:
     def __init__(self, places: FloatArray, values: FloatArray) -> None:
         if not 0 < len(places) <= MOST_PLACES:
             raise ValueError(f"{len(places)} scattered places: 1 to {MOST_PLACES} can be interpolated")
+
+        # The places in the axes along which they spread, each once
         self._origin = places.mean(axis=0)
         offsets = places - self._origin
         extent = max(float(np.abs(offsets).max()), 1e-300)
         _, spread, axes = np.linalg.svd(offsets, full_matrices=False)
         self._axes = axes[spread > 1e-6 * extent * np.sqrt(len(places))].T
         self._nodes, values = _merged(offsets @ self._axes, values, 1e-6 * extent)
+
+        # The system of equations: kernel and linear part, [W04 sec. 8.4]
         tail = np.concatenate([np.ones((len(self._nodes), 1)), self._nodes], axis=1)
         n, m = tail.shape
         system = np.zeros((n + m, n + m))
@@ -141,17 +146,19 @@ class ThinPlateSpline:
 
     def __call__(self, places: FloatArray) -> FloatArray:
         """Return the spline at places (n, d), as (n, c) float64."""
-        at = (places - self._origin) @ self._axes
-        values = np.empty((len(at), self._weights.shape[1]))
-        for start in range(0, len(at), self._block):
-            block = at[start : start + self._block]
+        points = (places - self._origin) @ self._axes
+        values = np.empty((len(points), self._weights.shape[1]))
+        for start in range(0, len(points), self._block):
+            block = points[start : start + self._block]
             values[start : start + self._block] = self._kernel(block) @ self._weights + block @ self._slope
         return np.asarray(values + self._constant)
 
-    def _kernel(self, at: FloatArray) -> FloatArray:
-        """r^2 log r^2 = 2 r^2 log r of the distances between (n, d) and the nodes."""
-        squares = np.einsum("nd,nd->n", at, at)[:, None] + np.einsum("kd,kd->k", self._nodes, self._nodes)
-        squares -= 2.0 * (at @ self._nodes.T)
+    def _kernel(self, points: FloatArray) -> FloatArray:
+        """Return r^2 log r^2 = 2 r^2 log r, (n, nodes), of the distances of points (n, d) from the nodes."""
+        squares = np.einsum("nd,nd->n", points, points)[:, None] + np.einsum(
+            "kd,kd->k", self._nodes, self._nodes
+        )
+        squares -= 2.0 * (points @ self._nodes.T)
         np.maximum(squares, 1e-30, out=squares)
         kernel = np.log(squares)
         kernel *= squares
@@ -159,7 +166,7 @@ class ThinPlateSpline:
 
 
 def _merged(places: FloatArray, values: FloatArray, near: float) -> tuple[FloatArray, FloatArray]:
-    """Places that differ, to `near`, and the mean value at each."""
+    """Return the places that differ by more than `near`, and the mean value at each."""
     if places.shape[1] == 0:
         return places[:1], values.mean(axis=0, keepdims=True)
     _, first, which = np.unique(np.round(places / near), axis=0, return_index=True, return_inverse=True)

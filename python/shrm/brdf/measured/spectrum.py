@@ -23,7 +23,7 @@ from shrm.color import REC709, xyz_from_rgb
 from shrm.validation import real_array
 
 WAVELENGTHS = np.arange(380.0, 781.0, 5.0)
-"""Of the tables below, nm."""
+"""Wavelengths of the tables below, nm."""
 
 # fmt: off
 OBSERVER = np.array([
@@ -97,7 +97,7 @@ def to_xyz(wavelengths: npt.ArrayLike, values: npt.ArrayLike) -> FloatArray:
     """
     nm, spectra = real_array("wavelengths", wavelengths), real_array("values", values)
     if nm.ndim != 1 or len(nm) < 2 or np.any(np.diff(nm) <= 0):
-        raise ValueError("wavelengths must be two or more strictly increasing numbers")
+        raise ValueError(f"wavelengths must be two or more strictly increasing numbers, got shape {nm.shape}")
     if nm[0] > WAVELENGTHS[-1] or nm[-1] < WAVELENGTHS[0]:
         raise ValueError(f"wavelengths must reach into 380 to 780 nm, got {nm[0]:g} to {nm[-1]:g}")
     if spectra.ndim == 0 or spectra.shape[-1] != len(nm):
@@ -136,12 +136,12 @@ def linear_srgb_from_xyz(xyz: FloatArray) -> FloatArray:
 
 
 def _weights(nm: FloatArray) -> FloatArray:
-    """The weights (K, 3) of samples at these wavelengths in X, Y and Z."""
-    seen = OBSERVER * D65 / (OBSERVER[1] @ D65)
+    """Return the weights (K, 3) in X, Y and Z of samples at wavelengths (K,), nm."""
+    response = OBSERVER * D65 / (OBSERVER[1] @ D65)
     # Linear interpolation, as the share of each sample at the wavelengths of the table.
     last = np.clip(np.searchsorted(nm, WAVELENGTHS), 1, len(nm) - 1)
     share = np.clip((WAVELENGTHS - nm[last - 1]) / (nm[last] - nm[last - 1]), 0.0, 1.0)
     weights = np.zeros((len(nm), 3))
-    np.add.at(weights, last - 1, (seen * (1.0 - share)).T)
-    np.add.at(weights, last, (seen * share).T)
+    np.add.at(weights, last - 1, (response * (1.0 - share)).T)
+    np.add.at(weights, last, (response * share).T)
     return weights

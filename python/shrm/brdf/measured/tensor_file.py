@@ -27,16 +27,16 @@ import numpy.typing as npt
 MAGIC = b"tensor_file\0"
 
 _TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f2", "f4", "f8")  # keys from 1
-_MOST_FIELDS = 64
-_MOST_DIMENSIONS = 8
-_LONGEST_HEADER = 1 << 16
+_MOST_FIELDS = 64  # five times as many as the files of the database have
+_MOST_DIMENSIONS = 8  # their fields have at most 5
+_LONGEST_HEADER = 1 << 16  # bytes; theirs are below 4 KiB
 _LARGEST = 1e30  # of floating point values: sums of them hold in float32
-_LARGEST_FIELD = 1 << 26  # bytes; the largest of an isotropic material of the database is of a tenth of that
+_LARGEST_FIELD = 1 << 26  # bytes; ten times the largest of an isotropic material of the database
 
 
 @dataclass(frozen=True)
 class Field:
-    """Where an array lies in its file."""
+    """The place of an array in its file, and its type and shape."""
 
     dtype: np.dtype[Any]
     offset: int
@@ -44,7 +44,7 @@ class Field:
 
     @property
     def nbytes(self) -> int:
-        """Its size; exact, however large the shape."""
+        """Size in bytes; exact, however large the shape."""
         return self.dtype.itemsize * math.prod(self.shape)
 
 
@@ -74,6 +74,7 @@ class TensorFile:
         ValueError
             If there is no such field, or it is of another kind, empty, too large or not finite.
         """
+        # The field, as its type and size are declared
         if name not in self.fields:
             raise ValueError(f"{self.path}: has no field {name!r}, only {', '.join(self.fields)}")
         field = self.fields[name]
@@ -86,6 +87,8 @@ class TensorFile:
             raise ValueError(
                 f"{self.path}: {name} must have 1 to {_LARGEST_FIELD} bytes, got shape {field.shape}"
             )
+
+        # Its values
         with self.path.open("rb") as file:
             file.seek(field.offset)
             data = file.read(field.nbytes)
@@ -110,6 +113,7 @@ def open_tensor_file(path: Path) -> TensorFile:
     ValueError
         If it is no tensor file, is truncated, or its fields are absurd, overlap or leave the file.
     """
+    # The header
     with path.open("rb") as file:
         head = file.read(_LONGEST_HEADER)
         size = file.seek(0, 2)
@@ -118,10 +122,12 @@ def open_tensor_file(path: Path) -> TensorFile:
     try:
         fields, end = _fields(head)
     except struct.error:
-        where = "the header is truncated" if size <= len(head) else f"a header of over {len(head)} bytes"
-        raise ValueError(f"{path}: {where}") from None
+        fault = "the header is truncated" if size <= len(head) else f"a header of over {len(head)} bytes"
+        raise ValueError(f"{path}: {fault}") from None
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
+
+    # Fields lie one after another behind it, within the file.
     for name, field in sorted(fields.items(), key=lambda item: item[1].offset):
         if field.offset < end:
             raise ValueError(f"{path}: {name} starts at byte {field.offset}, within what ends at {end}")
@@ -135,29 +141,33 @@ def open_tensor_file(path: Path) -> TensorFile:
 
 
 def _fields(head: bytes) -> tuple[dict[str, Field], int]:
-    """The fields that a header lists, and where it ends; struct.error where it is cut off."""
+    """Return the fields that a header lists, and its length, bytes; struct.error where it is cut off."""
     *version, count = struct.unpack_from("<BBI", head, len(MAGIC))
     if version != [1, 0]:
         raise ValueError(f"must be a tensor file of version 1.0, got {version[0]}.{version[1]}")
     if count > _MOST_FIELDS:
         raise ValueError(f"must have at most {_MOST_FIELDS} fields, got {count}")
+
     fields: dict[str, Field] = {}
-    at = len(MAGIC) + struct.calcsize("<BBI")
+    offset_in_head = len(MAGIC) + struct.calcsize("<BBI")
     for _ in range(count):
-        (length,) = struct.unpack_from("<H", head, at)
-        (raw,) = struct.unpack_from(f"{length}s", head, at + 2)
-        at += 2 + length
+        # The name
+        (length,) = struct.unpack_from("<H", head, offset_in_head)
+        (raw,) = struct.unpack_from(f"{length}s", head, offset_in_head + 2)
+        offset_in_head += 2 + length
         if not (raw.isascii() and (name := raw.decode("ascii")).isidentifier()):
             raise ValueError(f"the name of a field must be an ASCII identifier, got {raw[:32]!r}")
         if name in fields:
             raise ValueError(f"has two fields {name!r}")
-        dimensions, kind, offset = struct.unpack_from("<HBQ", head, at)
-        at += struct.calcsize("<HBQ")
+
+        # Type, shape and place
+        dimensions, kind, offset = struct.unpack_from("<HBQ", head, offset_in_head)
+        offset_in_head += struct.calcsize("<HBQ")
         if dimensions > _MOST_DIMENSIONS:
             raise ValueError(f"{name} must have at most {_MOST_DIMENSIONS} dimensions, got {dimensions}")
         if not 1 <= kind <= len(_TYPES):
             raise ValueError(f"{name} must be of a type from 1 to {len(_TYPES)}, got {kind}")
-        shape = struct.unpack_from(f"<{dimensions}Q", head, at)
-        at += 8 * dimensions
+        shape = struct.unpack_from(f"<{dimensions}Q", head, offset_in_head)
+        offset_in_head += 8 * dimensions
         fields[name] = Field(np.dtype(_TYPES[kind - 1]), offset, shape)
-    return fields, at
+    return fields, offset_in_head

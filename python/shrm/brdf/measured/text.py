@@ -10,7 +10,7 @@ import numpy as np
 from shrm.arrays import FloatArray
 
 LARGEST = 8 << 20
-"""Bytes: about ten times the largest published file of the formats that are text here."""
+"""Largest text file that is read, bytes: about ten times the largest published one of these formats."""
 
 
 def lines(path: Path) -> list[str]:
@@ -98,7 +98,7 @@ def require_range(path: Path, name: str, values: FloatArray, least: float, most:
 
 
 def is_number(word: str) -> bool:
-    """Whether a word is a number as float takes it."""
+    """Tell whether a word is a number as `float` takes it."""
     try:
         float(word)
     except ValueError:

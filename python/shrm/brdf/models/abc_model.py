@@ -27,7 +27,7 @@ from shrm.files import PathLike
 from shrm.validation import RGB, number, number_or_rgb
 
 GRAZING = 1e-6
-"""Cosines below this are taken for it: the model divides by them."""
+"""Smallest cosine of L, V or the half angle that the model divides by; smaller ones are raised to it."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -85,7 +85,7 @@ class ABC(BRDF):
             path,
             name,
             "ABC parameters",
-            lambda found: cls(*(found[key] for key in keys), label=f"abc:{path}#{name}"),
+            lambda values: cls(*(values[key] for key in keys), label=f"abc:{path}#{name}"),
         )
 
     @property
@@ -99,13 +99,15 @@ class ABC(BRDF):
         return self.label or parameters.named(self, "abc")
 
     def _transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        # The specular part: F G S / N.V
         h = half_vector(wi, wo)
         cos_h = np.sqrt(h.cos2)
         cos_i, cos_o = np.maximum(wi[:, 2], GRAZING), np.maximum(wo[:, 2], GRAZING)
-        # sin^2 / (1 + cos): 1 - cos itself loses its digits where lobes are narrow
-        S = (1 + self.B * h.sin2 / (1 + cos_h)) ** -self.C
+        S = (1 + self.B * h.sin2 / (1 + cos_h)) ** -self.C  # 1 - cos would lose its digits in narrow lobes
         G = np.minimum(1.0, 2 * cos_h * np.minimum(cos_i, cos_o) / np.maximum(h.cos_d, GRAZING))
         specular = fresnel(self.ior, h.cos_d) * G * S / cos_o
+
+        # Both parts in all channels, black below the horizon
         kD, A = np.atleast_1d(self.kD), np.atleast_1d(self.A)
         total = (np.multiply.outer(cos_i, kD) + np.multiply.outer(specular, A)) / np.pi
         above = above_horizon(wi, wo)
@@ -114,7 +116,7 @@ class ABC(BRDF):
 
 
 def fresnel(ior: float, cos_d: FloatArray) -> FloatArray:
-    """Reflectance for unpolarised light of a surface with a real index of refraction of at least 1."""
+    """Return the reflectance (n,) of a surface with a real index of refraction >= 1 for unpolarised light."""
     g = np.sqrt(ior * ior - 1 + cos_d * cos_d)
     p = (cos_d * (g + cos_d) - 1) / (cos_d * (g - cos_d) + 1)
     s = (g - cos_d) / (g + cos_d)

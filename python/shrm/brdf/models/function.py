@@ -123,6 +123,7 @@ class FunctionTimesCosine(Value):
 
 def _checked(f: Function, title: str, wi: FloatArray, wo: FloatArray) -> FloatArray:
     """Return f(wi, wo) as float64; refuse another shape and values that are not finite."""
+    # Type and shape
     values = np.asarray(f(wi, wo))
     if values.dtype.kind not in "fiu":
         raise TypeError(f"{title}: must return real numbers, got dtype {values.dtype}")
@@ -131,6 +132,8 @@ def _checked(f: Function, title: str, wi: FloatArray, wo: FloatArray) -> FloatAr
             f"{title}: must return the shape ({len(wi)},) or ({len(wi)}, 3) for {len(wi)} directions, "
             f"got {values.shape}"
         )
+
+    # Range
     finite = np.isfinite(values.reshape(len(wi), -1)).all(axis=1)
     if not finite.all():
         first = int(np.argmin(finite))
@@ -157,37 +160,44 @@ def _require_isotropy(f: Function, title: str, rng: np.random.Generator) -> Floa
     """Return values of f at seeded pairs of directions; refuse one that is anisotropic or not symmetric."""
     wi, wo = _pairs_about_mirror(rng)
     values = _checked(f, title, wi, wo)
+
+    # Isotropic: unchanged when both turn about the normal
     turns = rng.uniform(0.0, 2.0 * np.pi, len(wi))
     turned = _checked(f, title, _turned(wi, turns), _turned(wo, turns))
-    if (at := _first_difference(values, turned)) is not None:
+    if (first := _first_difference(values, turned)) is not None:
         raise ValueError(
             f"{title}: depends on the absolute azimuth about the normal (it is anisotropic) and cannot be "
-            f"centered on R, N or the lobe: turning both wi = {_triple(wi[at])} and wo = {_triple(wo[at])} "
-            f"by {turns[at]:.3f} about the normal changes it"
+            f"centered on R, N or the lobe: turning both wi = {_triple(wi[first])} and "
+            f"wo = {_triple(wo[first])} by {turns[first]:.3f} about the normal changes it"
         )
+
+    # Without handedness: unchanged when both are mirrored
     mirror = np.array([1.0, -1.0, 1.0])
     mirrored = _checked(f, title, wi * mirror, wo * mirror)
-    if (at := _first_difference(values, mirrored)) is not None:
+    if (first := _first_difference(values, mirrored)) is not None:
         raise ValueError(
             f"{title}: depends on the sign of phi_i - phi_o and cannot be centered on R, N or the lobe: "
-            f"mirroring both wi = {_triple(wi[at])} and wo = {_triple(wo[at])} changes it"
+            f"mirroring both wi = {_triple(wi[first])} and wo = {_triple(wo[first])} changes it"
         )
     return values.copy()
 
 
 def _require_angles_from_tangent(f: Function, title: str, rng: np.random.Generator) -> FloatArray:
     """Return values of f at seeded pairs of angles; refuse one that depends on azimuths about the tangent."""
+    # Half of the pairs round the mirror cone, a quarter round that of theta_i = theta_o, a quarter anywhere
     theta_i, theta_o = rng.uniform(0.0, np.pi, (2, 512))
-    theta_i[:256] = np.abs(np.pi - theta_o[:256] + rng.normal(0.0, 0.1, 256))  # round the mirror cone
+    theta_i[:256] = np.abs(np.pi - theta_o[:256] + rng.normal(0.0, 0.1, 256))
     theta_i[256:384] = np.abs(theta_o[256:384] + rng.normal(0.0, 0.1, 128))
     wi, wo = _meridian(theta_i, theta_o)
+
+    # Unchanged when each turns about the tangent by an angle of its own
     values = _checked(f, title, wi, wo)
     turned = _checked(f, title, *(_turned(w, rng.uniform(0.0, 2.0 * np.pi, len(w))) for w in (wi, wo)))
-    if (at := _first_difference(values, turned)) is not None:
+    if (first := _first_difference(values, turned)) is not None:
         raise ValueError(
             f"{title}: depends on azimuth about the tangent and cannot be centered on it: it must be a "
             "function of the angles theta_i, theta_o from T alone, and changes with the azimuths at "
-            f"theta_i = {theta_i[at]:.3f}, theta_o = {theta_o[at]:.3f}"
+            f"theta_i = {theta_i[first]:.3f}, theta_o = {theta_o[first]:.3f}"
         )
     return values.copy()
 

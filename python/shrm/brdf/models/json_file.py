@@ -13,10 +13,10 @@ from shrm.files import PathLike
 Model = TypeVar("Model")
 
 LARGEST = 64 << 20
-"""Bytes of a file that are read."""
+"""Largest file that is read, bytes: far larger than published ones, yet held in memory without harm."""
 
 
-def material(path: PathLike, name: str, what: str, make: Callable[[Mapping[str, Any]], Model]) -> Model:
+def material(path: PathLike, name: str, contents: str, make: Callable[[Mapping[str, Any]], Model]) -> Model:
     """Make one material of a file.
 
     Parameters
@@ -25,10 +25,10 @@ def material(path: PathLike, name: str, what: str, make: Callable[[Mapping[str, 
         The file.
     name : str
         A material in it.
-    what : str
-        What such a file holds, for messages: "Lafortune coefficients".
+    contents : str
+        The contents of such a file, for messages: "Lafortune coefficients".
     make : callable
-        The parameters of one material to the material.
+        Maps the parameters of one material to the material.
 
     Raises
     ------
@@ -37,26 +37,31 @@ def material(path: PathLike, name: str, what: str, make: Callable[[Mapping[str, 
     ValueError
         If it is no such file, or has no material of that name; the text names those it has.
     """
-    at = Path(path).stat()
-    if not stat.S_ISREG(at.st_mode):  # a pipe would be waited for, a device read for ever
-        raise ValueError(f"{path}: not a JSON file of {what}: no regular file")
-    if at.st_size > LARGEST:
+    # A regular file of sound size: a pipe would be waited for, a device read for ever
+    status = Path(path).stat()
+    if not stat.S_ISREG(status.st_mode):
+        raise ValueError(f"{path}: not a JSON file of {contents}: no regular file")
+    if status.st_size > LARGEST:
         raise ValueError(
-            f"{path}: not a JSON file of {what}: {at.st_size} bytes are over the limit of {LARGEST}"
+            f"{path}: not a JSON file of {contents}: {status.st_size} bytes are over the limit of {LARGEST}"
         )
+
+    # The parameters of the one material
     try:
         materials = json.loads(Path(path).read_text(encoding="utf-8"))
     except (ValueError, RecursionError):  # no UTF-8, no JSON, a number of thousands of digits
-        raise ValueError(f"{path}: not a JSON file of {what}") from None
+        raise ValueError(f"{path}: not a JSON file of {contents}") from None
     if not isinstance(materials, dict):
         raise ValueError(f"{path}: must be a JSON object of materials, got {type(materials).__name__}")
     if name not in materials:
         raise ValueError(f"{path}: no material {name!r}; it has {', '.join(map(repr, materials)) or 'none'}")
-    found = materials[name]
-    if not isinstance(found, dict):
-        raise ValueError(f"{path}: material {name!r}: must be a JSON object, got {type(found).__name__}")
+    values = materials[name]
+    if not isinstance(values, dict):
+        raise ValueError(f"{path}: material {name!r}: must be a JSON object, got {type(values).__name__}")
+
+    # The model, whose refusals are told with the file and the material
     try:
-        return make(found)
+        return make(values)
     except KeyError as missing:
         raise ValueError(f"{path}: material {name!r}: has no {missing}") from None
     except (TypeError, ValueError, OverflowError) as error:

@@ -64,6 +64,7 @@ class Lafortune(BRDF, Value):
     label: str = ""
 
     def __post_init__(self) -> None:
+        # One shape for all coefficients
         arrays = {
             key: real_array(f"Lafortune: {key}", getattr(self, key)).copy()
             for key in ("x", "y", "z", "exponent")
@@ -71,10 +72,12 @@ class Lafortune(BRDF, Value):
         shapes = {value.shape for value in arrays.values()}
         shape = shapes.pop()
         if shapes or len(shape) not in (1, 2) or shape[0] == 0 or shape[1:] not in ((), (3,)):
-            found = ", ".join(f"{key} {value.shape}" for key, value in arrays.items())
+            got = ", ".join(f"{key} {value.shape}" for key, value in arrays.items())
             raise ValueError(
-                f"Lafortune: x, y, z, exponent must share the shape (K,) or (K, 3), K > 0, got {found}"
+                f"Lafortune: x, y, z, exponent must share the shape (K,) or (K, 3), K > 0, got {got}"
             )
+
+        # An isotropic lobe whose powers stay in range
         if not np.array_equal(arrays["x"], arrays["y"]):
             raise ValueError(
                 "Lafortune: x and y differ, so the BRDF depends on the absolute azimuth about the normal "
@@ -91,6 +94,8 @@ class Lafortune(BRDF, Value):
                 f"Lafortune: exponent must keep max(|x|, |z|)^exponent below {parameters.LARGEST:g}, "
                 "got a larger value"
             )
+
+        # Kept read-only: materials are hashed by their contents
         for key, value in arrays.items():
             value.setflags(write=False)
             object.__setattr__(self, key, value)
@@ -112,7 +117,10 @@ class Lafortune(BRDF, Value):
             If it is no such file, or has no material of that name; the text names those it has.
         """
         return json_file.material(
-            path, name, "Lafortune coefficients", lambda found: cls.from_coefficients(found, f"{path}#{name}")
+            path,
+            name,
+            "Lafortune coefficients",
+            lambda values: cls.from_coefficients(values, f"{path}#{name}"),
         )
 
     @classmethod
@@ -134,7 +142,7 @@ class Lafortune(BRDF, Value):
 
     @property
     def name(self) -> str:
-        """Such as "lafortune(skin)"; no text for `parse`, which needs the file."""
+        """A description such as "lafortune(skin)", which `parse` does not read: it needs the file."""
         return f"lafortune({self.label or f'{len(np.asarray(self.x))} lobes'})"
 
     def _transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
@@ -151,12 +159,12 @@ class Lafortune(BRDF, Value):
 
 
 def _arguments(coefficients: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments of `Lafortune` from the coefficients of a file."""
+    """Return the arguments of `Lafortune` for the coefficients of a file."""
     columns: dict[str, list[object]] = {"x": [], "y": [], "z": [], "exponent": []}
     while (k := len(columns["z"])) == 0 or f"z{k}" in coefficients:
         for argument, keys in (("x", ("xy", "x")), ("y", ("xy", "y")), ("z", ("z",)), ("exponent", ("e",))):
-            found = [f"{key}{k}" for key in keys if f"{key}{k}" in coefficients]
-            if not found:
+            present = [f"{key}{k}" for key in keys if f"{key}{k}" in coefficients]
+            if not present:
                 raise ValueError(f"{' or '.join(f'{key}{k}' for key in keys)} is missing")
-            columns[argument].append(coefficients[found[0]])
+            columns[argument].append(coefficients[present[0]])
     return {**columns, "diffuse": coefficients.get("diffuse", 0.0)}

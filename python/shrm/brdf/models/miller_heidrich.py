@@ -28,9 +28,9 @@ class MillerHeidrich(BRDF):
     Parameters
     ----------
     albedo : float or three floats
-        Of the diffuse lobe, in [0, 1].
+        Albedo of the diffuse lobe, in [0, 1].
     exponent : float
-        s of the Phong lobe, in [0, 1e12].
+        Exponent s of the Phong lobe, in [0, 1e12].
     f0 : float or three floats
         Reflectance at normal incidence, in [0, 1].
     """
@@ -68,7 +68,7 @@ class MillerHeidrich(BRDF):
 
 
 def _product(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Of (n,) or (n, 3) each."""
+    """Multiply arrays of (n,) or (n, 3) each: (n, 3) where either has channels."""
     if a.ndim == b.ndim:
         return a * b
     return a * b[:, None] if a.ndim == 2 else a[:, None] * b

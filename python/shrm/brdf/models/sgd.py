@@ -30,7 +30,7 @@ from shrm.files import PathLike
 from shrm.validation import RGB, number_or_rgb
 
 GRAZING = 1e-6
-"""Cosines below this are taken for it: the model divides by them."""
+"""Smallest cosine of L, V or the half angle that the model divides by; smaller ones are raised to it."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -44,9 +44,9 @@ class SGD(BRDF):
     alpha, p, K : float or three floats
         Width (above 0), shape and normalisation of the distribution, at least 0.
     f0, f1 : float or three floats
-        Of the Fresnel term.
+        Coefficients of the Fresnel term.
     lam, c, k, theta0 : float or three floats
-        Of the masking term: lambda, c and k at least 0, theta0 radians.
+        Coefficients of the masking term: lambda, c and k at least 0, theta0 in radians.
     label : str
         What the name shows in place of the numbers.
     """
@@ -83,15 +83,15 @@ class SGD(BRDF):
             If it is no such file, or has no material of that name; the text names those it has.
         """
 
-        def value(found: Mapping[str, float | RGB], key: str) -> float | RGB:
+        def value(values: Mapping[str, float | RGB], key: str) -> float | RGB:
             other = {"K": "kap", "lam": "lambda"}.get(key, key)
-            return found[key if key in found else other]
+            return values[key if key in values else other]
 
         return json_file.material(
             path,
             name,
             "SGD parameters",
-            lambda found: cls(*(value(found, key) for key in PARAMETERS), label=f"sgd:{path}#{name}"),
+            lambda values: cls(*(value(values, key) for key in PARAMETERS), label=f"sgd:{path}#{name}"),
         )
 
     @property
@@ -105,6 +105,7 @@ class SGD(BRDF):
         return self.label or parameters.named(self, "sgd")
 
     def _transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        # The angles, which all channels share
         h = half_vector(wi, wo)
         cos_i, cos_o = np.maximum(wi[:, 2], GRAZING), np.maximum(wo[:, 2], GRAZING)
         theta_i, theta_o = np.arccos(np.minimum(cos_i, 1.0)), np.arccos(np.minimum(cos_o, 1.0))
@@ -125,7 +126,7 @@ class SGD(BRDF):
         return parts[0] if len(parts) == 1 else np.stack(parts, axis=1)
 
     def _channels(self) -> list[Mapping[str, float]]:
-        """The parameters of each channel; one if no parameter has three."""
+        """Return the parameters of each channel; of one channel if no parameter has three values."""
         values = {key: getattr(self, key) for key in PARAMETERS}
         count = 3 if any(isinstance(value, tuple) for value in values.values()) else 1
         return [
@@ -139,6 +140,7 @@ _LEAST = {"alpha": parameters.NARROWEST, "f0": -1e40, "f1": -1e40, "theta0": -np
 
 
 def _g1(fit: Mapping[str, float], theta: FloatArray) -> FloatArray:
+    """Return the masking G1 (n,) of directions at angles (n,) from the normal, radians."""
     beyond = np.maximum(theta - fit["theta0"], 0.0)
     exponent = np.minimum(fit["c"] * beyond ** fit["k"], 700.0)  # within float64
     return np.clip(1 - fit["lam"] * np.expm1(exponent), 0.0, 1.0)

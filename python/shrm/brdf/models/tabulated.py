@@ -74,7 +74,7 @@ class Tabulated(BRDF, Value):
 
     @property
     def name(self) -> str:
-        """Such as "tabulated(32 x 32 x 64 angles)"; no text for `parse`."""
+        """A description such as "tabulated(32 x 32 x 64 angles)", which `parse` does not read."""
         return f"tabulated({' x '.join(str(n) for n in np.shape(self.values)[:3])} {self.axes})"
 
     @cached_property
