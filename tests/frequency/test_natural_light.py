@@ -71,8 +71,11 @@ def test_measured_error_is_within_the_prediction(light, material):
         T = None
         N, V, weights = oracles.important_views(env.pixels, 300 if radial else 800, seed=1)
     hemisphere = material != "phong" and frame == "normal"
+    # Texels are 3 degrees wide: of lobes of 12 degrees and more one node in each errs by 0.7% of the light at
+    # most, against four; of the one of 6 degrees by 4%, which is as much as the errors that are measured.
+    subsamples = 2 if material == "ggx .1" else 1
     expected = oracles.reflected(
-        env.pixels, transfer, N, V, T, frame=frame, hemisphere=hemisphere, subsamples=2
+        env.pixels, transfer, N, V, T, frame=frame, hemisphere=hemisphere, subsamples=subsamples
     )
     for center in ("reflection", None) if not radial and frame == "normal" else (None,):
         with warnings.catch_warnings():
@@ -94,7 +97,7 @@ def test_a_cap_on_P_is_told_and_the_error_is_right():
     with pytest.warns(ToleranceWarning, match="not met with P <= 8"):
         rm = prefilter(env, brdf.GGX(0.3), tolerance=0.01, center="reflection")
     N, V, weights = oracles.important_views(env.pixels, 800, seed=2)
-    expected = oracles.reflected(env.pixels, oracles.ggx(0.3), N, V, subsamples=2)
+    expected = oracles.reflected(env.pixels, oracles.ggx(0.3), N, V)
     measured = oracles.relative_rms(rm.radiance(N, V), expected, weights)
     assert rm.error > 0.01
     assert rm.error / 1.3 < measured < 1.25 * rm.error

@@ -38,7 +38,8 @@ def test_measured_error_is_within_the_prediction(light: str, file: str) -> None:
     def transfer(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return material.function(wi, np.broadcast_to(wo, wi.shape))
 
-    expected = sharp_oracle.reflected(env.pixels, transfer, N, V)
+    # Beyond 12 degrees of the mirror one node in a texel of 3: 1.4% of the light and less, of errors of 4%.
+    expected = sharp_oracle.reflected(env.pixels, transfer, N, V, subsamples=1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)
         rm = prefilter(env, material, tolerance=0.05)

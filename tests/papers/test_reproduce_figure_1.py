@@ -6,24 +6,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from shrm.brdf import GGX, Lambert
 from shrm.environment import Environment
 from shrm.frequency.prefilter import prefilter
+from shrm.image_io import write_image
 from shrm.integrate.angular import prefilter_angular
 from shrm_papers.comparison import Frames
 from shrm_papers.grid_meshes import knot
 from shrm_papers.result import Result, Settings
 from shrm_papers.rh02 import figure_1
-from support.data import FOLDER, require
+from support.data import require
 
 Command = Callable[..., tuple[int, str, str]]
 SKY = Environment.daylight(size=32)
 SHAPE = knot(96, 18).placed().with_tangents("principal")
-NEEDED = (
-    *("env/debevec_grace_cross.hdr", "env/debevec_stpeters_cross.hdr", "env/spica_uffizi.hdr"),
-    *("env/debevec_rnl_probe.hdr", "mesh/armadillo.obj", "brdf/krylon_blue.brdf"),
-    "brdf/vch_golden_yellow_rgb.bsdf",
-)
+MEASURED = "krylon_blue.brdf", "vch_golden_yellow_rgb.bsdf"
 
 
 def check(result: Result) -> None:
@@ -53,10 +51,16 @@ def test_it_needs_no_file_and_says_what_stands_in() -> None:
 
 
 @pytest.mark.slow
-def test_the_folder_s_light_object_and_materials_are_shown() -> None:
-    for name in NEEDED:
-        require(name)
-    result = figure_1.make(Settings(SKY, "a sky", quick=True, data=FOLDER))
+def test_the_folder_s_light_object_and_materials_are_shown(tmp_path: Path) -> None:
+    """Its measurements are real; a knot is named the armadillo, and small pictures as the lights are."""
+    for part in ("env", "brdf", "mesh"):
+        (tmp_path / part).mkdir()
+    for name in MEASURED:
+        (tmp_path / "brdf" / name).symlink_to(require(f"brdf/{name}"))
+    trimesh.Trimesh(SHAPE.vertices, SHAPE.faces, process=False).export(tmp_path / "mesh" / "armadillo.obj")
+    for k, light in enumerate(("grace_cross", "stpeters_cross", "spica_uffizi", "rnl_probe")):
+        write_image(tmp_path / "env" / f"{light}.exr", np.roll(SKY.pixels, 8 * k, axis=1))
+    result = figure_1.make(Settings(SKY, "a sky", quick=True, data=tmp_path))
     check(result)
     assert [row[3] for row in result.rows] == [panel.place for panel in figure_1.PANELS]
     assert [row[2] for row in result.rows if row[1] == "krylon blue"] == ["Cornell"]

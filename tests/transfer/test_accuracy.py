@@ -6,6 +6,8 @@ H and Rs = 1: sqrt((nu + 1) (nv + 1)) / (8 pi) (N.H)^(nu cos^2 phi + nv sin^2 ph
 The oracle's own error is some 35 dB below the radiance of the sharpest, as half of its rays tell.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 from shrm import brdf
@@ -27,6 +29,7 @@ SPREAD = 2.0
 those over the 48 that are reported by 15% or .65 dB; this is three times that."""
 
 
+@cache
 def read(name: str) -> Mesh:
     path, cells = MESHES[name]
     return simplified(require(path), cells)
@@ -93,7 +96,7 @@ def test_the_oracles_rays_are_those_of_moeller_and_trumbore():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "exponents"), [("bunny", (40.0, 40.0)), ("armadillo", (40.0, 10.0))])
+@pytest.mark.parametrize(("name", "exponents"), [("bunny", (40.0, 10.0)), ("armadillo", (40.0, 40.0))])
 def test_glossy_objects_with_shadows_have_the_default_accuracy(name, exponents):
     mesh = read(name)
     transfer = transferred(mesh, brdf.AshikhminShirley(*exponents))
@@ -142,7 +145,7 @@ def test_a_bounce_is_that_of_rays_that_go_on():
         tents=9,
         route=Route(),
     )
-    vertices = some_vertices(mesh, 16)
+    vertices = some_vertices(mesh, 8)
     by_rays = oracles.ashikhmin_shirley(**glossy)
     straight, total = (np.concatenate(expected(mesh, vertices, by_rays, 4, a)) for a in (None, 0.8))
     direct, both = (above(mesh, vertices, found(transfer, name, vertices)) for name in transfer.variants)

@@ -1,5 +1,6 @@
 """Lighting by the methods before matrix radiance transfer, against plain sums in float64."""
 
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -20,6 +21,12 @@ def band_matrix(R: np.ndarray, n: int) -> np.ndarray:
     )[0]
 
 
+@cache
+def rotations(count: int, n: int) -> np.ndarray:
+    """Those of the first vertices' frames (count, n^2, n^2)."""
+    return np.array([band_matrix(frame.astype(float), n) for frame in FRAMES[:count]])
+
+
 def bilinear(samples: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Between samples (S, S, ...) from -1 to 1, columns along x."""
     S = len(samples)
@@ -27,7 +34,6 @@ def bilinear(samples: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.einsum("vj,vi,jick->vck", hat[1], hat[0], samples.astype(np.float64), optimize=True)
 
 
-@pytest.mark.slow
 @SEEN
 @pytest.mark.parametrize("channels", [1, 3])
 @pytest.mark.parametrize("way", ["stored rotation", "prerotated", "no shadows", "halves"])
@@ -40,7 +46,7 @@ def test_projection_is_row_times_rotation_times_transfer_times_light(n, way, cha
     lighting = Projection(points, axes, samples, T, prerotated=way == "prerotated")
     w = local_views(seen, points, axes)
     b = bilinear(samples, w[:, 0] / (1 + w[:, 2]), w[:, 1] / (1 + w[:, 2]))
-    R = np.array([band_matrix(frame.astype(float), n) for frame in axes])
+    R = rotations(count, n)
     transferred = np.broadcast_to(light, (count, n * n, 3)) if T is None else T.astype(float) @ light
     expected = np.einsum("vcj,vjc->vc", np.broadcast_to(b, (count, 3, n * n)), R @ transferred)
     # Frames of float32 turn degree n by n 1e-7; sums of n^4 products
@@ -51,7 +57,7 @@ def test_projection_is_row_times_rotation_times_transfer_times_light(n, way, cha
 def test_a_material_in_tents_without_shadows_is_matrix_radiance_transfer(channels):
     """A_p = P R_p: nothing but frames is stored."""
     P, light, count = random((49, channels, 25), 41), random((25, 3), 42, np.float64), 60
-    A = np.array([P @ band_matrix(frame.astype(float), 5) for frame in FRAMES[:count]])
+    A = np.einsum("tcj,vjk->vtck", P, rotations(count, 5))
     whole = Tents(POINTS[:count], FRAMES[:count], A).radiance(light, eye=EYE)
     found = Projection(POINTS[:count], FRAMES[:count], P).radiance(light, eye=EYE)
     assert_close(found, whole, 1e-5 * np.abs(whole).max())
@@ -63,8 +69,9 @@ def test_projection_nears_direct_evaluation_as_its_map_gets_finer():
     points, axes = POINTS[:count], FRAMES[:count]
     w = local_views({"eye": EYE}, points, axes)
     above = w[:, 2] > 0.3
-    R = np.array([band_matrix(frame.astype(float), n) for frame in axes])
-    exact = np.einsum("vj,vjc->vc", material_rows(material, w, n), R @ (T.astype(float) @ light))
+    exact = np.einsum(
+        "vj,vjc->vc", material_rows(material, w, n), rotations(count, n) @ (T.astype(float) @ light)
+    )
     errors = []
     for side in (9, 17, 33):
         lighting = Projection(points, axes, parabolic_map(material, n, side), T)
