@@ -253,16 +253,12 @@ def test_radiance_is_interpolated_where_the_ray_ends(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"n": 0}, "n must be in"),
-        ({"n": 11}, "n must be in"),
-        ({"bounces": 0}, "bounces must be in"),
-        ({"bounces": 1.0}, "bounces must be a whole number"),
         ({"albedo": 1.01}, r"albedo must be in \[0, 1\], got 1.01 to 1.01"),
         ({"albedo": [0.5, -0.1, 0.2]}, r"albedo must be in \[0, 1\]"),
         ({"albedo": np.nan}, "albedo must be finite"),
         (
             {"albedo": [0.5, 0.5]},
-            r"albedo must have the shape \(\), \(3,\), \(25,\) or \(25, 3\), got \(2,\)",
+            r"albedo must have the shape \(\) or \(3,\) or \(25,\) or \(25, 3\), got \(2,\)",
         ),
         ({"albedo": "white"}, "albedo must be an array"),
     ],
@@ -283,5 +279,3 @@ def test_bounces_need_hits(tmp_path):
     ):
         with pytest.raises(ValueError, match=r"^visibility must have hits"):
             call()
-    with pytest.raises(ValueError, match=r"^leaving must have the shape \(25, C, n\^2\), got \(24, 1, 4\)$"):
-        gathered(visibility, L[1:])

@@ -5,8 +5,9 @@ import pytest
 from shrm.transfer.compression import pca as pca_module
 from shrm.transfer.compression.clusters import clustered
 from shrm.transfer.compression.components import PrincipalComponents
-from shrm.transfer.compression.pca import exact, factored, streamed
+from shrm.transfer.compression.pca import factored, streamed
 from shrm.transfer.directional_basis import DirectionalBasis
+from support.transfer_components import exact
 
 M, N2 = 5, 9
 TENTS = M * M
@@ -280,13 +281,23 @@ HOLE = np.where(np.arange(12)[:, None, None, None] == 7, np.nan, SOME)
 @pytest.mark.parametrize(
     ("call", "error", "text"),
     [
-        (lambda: exact(SOME[0]), ValueError, "shape"),
+        (lambda: streamed(SOME[0]), ValueError, "shape"),
         (lambda: exact(SOME[:, :24]), ValueError, "M\\^2 tents"),
         (lambda: exact(SOME, K=226), ValueError, r"K must be in \[1, 225\], got 226"),
-        (lambda: exact(SOME, K=2, accuracy=3), ValueError, "either K or accuracy"),
+        (lambda: exact(SOME, K=2, accuracy=3), ValueError, "K must be None where accuracy is given, got 2"),
         (lambda: exact(SOME, accuracy=np.nan), ValueError, "accuracy must be finite"),
         (lambda: exact(HOLE), ValueError, "X must be finite"),
-        (lambda: factored(np.ones((25, 1, 3)), np.ones((4, 2, 9))), ValueError, "P must be"),
+        (
+            lambda: factored(np.ones((25, 3)), np.ones((4, 3, 9))),
+            ValueError,
+            r"P must have .* \(M\^2, C, r\)",
+        ),
+        (
+            lambda: factored(np.ones((25, 1, 3)), np.ones((4, 2, 9))),
+            ValueError,
+            r"X must have .* \(V, 3, n\^2\)",
+        ),
+        (lambda: factored(np.full((25, 1, 3), np.inf), np.ones((4, 3, 9))), ValueError, "P must be finite"),
         (lambda: streamed(HOLE), ValueError, "matrices must be finite"),
         (lambda: streamed(SOME, K=0), ValueError, "K must be in"),
         (lambda: streamed(lambda: [SOME, SOME[:, :, :, :4]]), ValueError, "must be alike"),

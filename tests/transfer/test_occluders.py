@@ -203,24 +203,3 @@ def test_threads_and_hits_change_nothing(monkeypatch):
     assert hits is not None
     assert same is not None
     assert all((getattr(hits, name) == getattr(same, name)).all() for name in ("face", "u", "v"))
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"vertices": np.full((4, 3), np.nan)}, "vertices must be finite"),
-        ({"vertices": np.zeros((4, 2))}, r"vertices must have the shape \(k, 3\)"),
-        ({"faces": np.zeros((0, 3), int)}, "faces must have at least one"),
-        ({"faces": []}, r"faces must have the shape \(T, 3\)"),
-        ({"faces": [[0, 1, 4]]}, "faces must name vertices from 0 to 3, got 1 that do not, the first at 0"),
-        ({"faces": [[0, 1, 2], [0, -1, 2]]}, "faces must name .* the first at 1"),
-        ({"faces": [[0.0, 1.0, 2.0]]}, "faces must be whole numbers"),
-        ({"faces": [[0, 1], [2]]}, "faces must be an array"),
-        ({"normals": np.zeros((3, 3))}, r"normals must have the shape \(4, 3\)"),
-        ({"normals": np.full((4, 3), np.inf)}, "normals must be finite"),
-    ],
-)
-def test_bad_meshes_are_refused(change, message):
-    good = {"vertices": np.eye(4)[:, :3], "faces": [[0, 1, 2]], "normals": np.ones((4, 3))}
-    with pytest.raises((TypeError, ValueError), match=f"^{message}[^\n]*$"):
-        Occluders(**{**good, **change})

@@ -226,30 +226,3 @@ def test_a_folder_that_cannot_be_made_is_the_systems_error(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OSError, match="file"):
         opened(tmp_path / "file")
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"vertices": VERTICES[:, :2]}, r"vertices must have the shape"),
-        (
-            {"vertices": np.where(np.arange(486).reshape(162, 3) == 9, np.nan, VERTICES)},
-            "vertices must be finite",
-        ),
-        ({"faces": np.empty((0, 3), int)}, "faces must have at least one"),
-        ({"faces": [[0, 1, 162]]}, "faces must name vertices from 0 to 161"),
-        ({"frames": GOOD["frames"][:9]}, r"frames must have the shape \(162, 3, 3\)"),
-        ({"frames": 2 * GOOD["frames"]}, "frames must be rotations"),
-        ({"directions": local_directions(64)[:9]}, "directions must be a multiple of 8, got 9"),
-        ({"directions": np.empty((0, 3))}, "directions must be a multiple of 8, got 0"),
-        ({"directions": -local_directions(64)}, "directions must be unit vectors with z >= 0"),
-        ({"directions": 2 * local_directions(64)}, "directions must be unit vectors with z >= 0"),
-        ({"block": 0}, "block must be in"),
-        ({"block": 2.5}, "block must be a whole number"),
-        ({"hits": 1}, "hits must be True or False"),
-    ],
-)
-def test_bad_input_is_refused_and_no_folder_is_made(tmp_path, change, message):
-    with pytest.raises((TypeError, ValueError), match=f"^{message}[^\n]*$"):
-        opened(tmp_path / "new", **change)
-    assert not (tmp_path / "new").exists()

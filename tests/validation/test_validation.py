@@ -95,6 +95,21 @@ HUGE = np.full((2, 3), 1e39)
             "a must be finite, got 1 values that are not, the first at (0,)",
         ),
         (
+            lambda: validation.stored_array("a", np.zeros((0, 3), np.float16), ("V", 3)),
+            ValueError,
+            "a must have the shape (V, 3), not empty, got (0, 3)",
+        ),
+        (
+            lambda: validation.stored_array("a", [[1j]], ("V", "K")),
+            TypeError,
+            "a must be an array of real numbers, got dtype complex128",
+        ),
+        (
+            lambda: validation.require_rotations("R", np.array([1, -1, 2.0])[:, None, None] * np.eye(3)),
+            ValueError,
+            "R must be rotations, orthogonal to 1e-06 with determinant 1, got 2 that are not, the first at 1",
+        ),
+        (
             lambda: validation.require_array("a", np.zeros(2), (2,), np.float32),
             TypeError,
             "a must be an array of float32, got float64",
@@ -119,6 +134,13 @@ def test_arrays_come_back_in_their_form() -> None:
     faces = validation.indices("i", np.array([[2, 1, 0]], np.uint8), 3, ("T", 3), empty=False)
     assert faces.dtype == np.int32
     np.testing.assert_array_equal(faces, [[2, 1, 0]])
+    for dtype, held_as in ((np.float16, np.float16), (np.float32, np.float32), (np.int8, np.float32)):
+        stored = validation.stored_array("a", kept.astype(dtype), ("n", 3))
+        assert stored.dtype == held_as
+    mapped = np.ones((4, 3), np.float16)
+    assert np.shares_memory(validation.stored_array("a", mapped, ("n", 3)), mapped)
+    unchecked = np.full((2, 2), np.nan, np.float32)
+    validation.require_stored("a", unchecked, (2, "K"), finite=False)
     assert validation.flag("f", np.True_) is True
     assert validation.positive("x", np.float32(0.5), 1) == 0.5
 

@@ -40,7 +40,7 @@ from shrm.transfer.directional_basis import (
     hemisphere_quadrature,
     hemispherical_gram,
 )
-from shrm.validation import one_of, unit_vectors, whole_number
+from shrm.validation import one_of, require_instance, unit_vectors, whole_number
 
 Extension = Literal["least-squares", "even", "zero"]
 
@@ -201,8 +201,7 @@ def project_on_tents(brdf: BRDF, basis: DirectionalBasis, n: int, points: int = 
     TypeError, ValueError
         If an argument is not as described.
     """
-    if not isinstance(basis, DirectionalBasis):
-        raise TypeError(f"basis must be a DirectionalBasis, got {type(basis).__name__}")
+    require_instance("basis", basis, DirectionalBasis)
     views, weights = basis.quadrature(points)
     sampled = rows(brdf, views, n)
     channels = sampled if sampled.ndim == 3 else sampled[None]

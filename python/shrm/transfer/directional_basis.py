@@ -201,10 +201,8 @@ class DirectionalBasis:
         -------
         (M^2, channels) float64
         """
-        array = real_array("coefficients", coefficients)
+        array = real_array("coefficients", coefficients, ("m^2",), ("m^2", "channels"), empty=False)
         rows = array[:, None] if array.ndim == 1 else array
-        if rows.ndim != 2 or 0 in rows.shape:
-            raise ValueError(f"coefficients must have the shape (m^2, channels), got {array.shape}")
         return self.solve(self.change_of_basis(sh.degree_of(rows) + 1) @ rows)
 
     def coarser(self, M: int) -> FloatArray:
@@ -251,13 +249,8 @@ class DirectionalBasis:
 
     def _rows(self, name: str, value: npt.ArrayLike, count: int) -> FloatArray:
         """An array of `count` rows, (count,) or (count, channels), as (count, channels) in C order."""
-        array = real_array(name, value)
-        rows = array[:, None] if array.ndim == 1 else array
-        if rows.ndim != 2 or len(rows) != count:
-            raise ValueError(
-                f"{name} must have the shape ({count},) or ({count}, channels), got {array.shape}"
-            )
-        return np.ascontiguousarray(rows)
+        array = real_array(name, value, (count,), (count, "channels"))
+        return np.ascontiguousarray(array[:, None] if array.ndim == 1 else array)
 
 
 _ROUNDING = 1e-14

@@ -41,7 +41,7 @@ import math
 import os
 import struct
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO, NoReturn
@@ -99,12 +99,7 @@ class Saved:
     report: dict[str, Any] = field(default_factory=dict)
 
 
-def write(
-    path: PathLike,
-    saved: Saved,
-    *,
-    blocks: Mapping[str, Callable[[], Iterable[Array]]] | None = None,
-) -> None:
+def write(path: PathLike, saved: Saved) -> None:
     """Write what a file holds; the file appears whole or not at all.
 
     Parameters
@@ -113,22 +108,18 @@ def write(
         By custom with the extension `.shrt`.
     saved : Saved
         Matrices that are mapped from disk are copied a part at a time.
-    blocks : mapping, optional
-        For variants by name, instead of their matrices: what returns blocks (b, M^2, C, n^2), of vertices in
-        order, float32 or float16 like the first, which are written as they come.
 
     Raises
     ------
     TransferFileError
         If the file cannot be written.
     ValueError
-        If blocks are of another shape, or the report holds what JSON does not.
+        If the report holds what JSON does not.
     """
     path = Path(path)
-    sources = _sources(saved, blocks or {})
     try:
         with replacing(path) as beside, beside.open("xb") as file:
-            _write(file, saved, sources)
+            _write(file, saved)
     except OSError as error:
         raise TransferFileError(f"{path}: cannot be written ({error.strerror or error})") from None
 
@@ -176,65 +167,29 @@ class _ContentError(ValueError):
 # ---- Writing
 
 
-class _Source:
-    """An array of the file: its shape and dtype, and its parts in order."""
-
-    def __init__(
-        self, array: Array, parts: Callable[[], Iterable[Array]] | None = None, rows: int = 0
-    ) -> None:
-        self.shape = (rows or len(array), *array.shape[1:])
-        self.dtype = array.dtype.newbyteorder("<")
-        self.parts = parts or (lambda: _slices(array))
-
-
-def _slices(array: Array) -> Iterator[Array]:
-    rows = max(1, _BLOCK_BYTES // max(1, array[:1].nbytes))
-    return (array[start : start + rows] for start in range(0, len(array), rows))
-
-
-def _sources(saved: Saved, blocks: Mapping[str, Callable[[], Iterable[Array]]]) -> dict[str, _Source]:
-    V, tail = len(saved.vertices), (saved.M**2, saved.channels, saved.n**2)
-    unknown = sorted(set(blocks) - set(saved.variants))
-    if unknown:
-        raise ValueError(f"blocks must be of variants that there are, got {', '.join(unknown)}")
-    arrays: dict[str, Array | None] = {
-        "vertices": saved.vertices,
-        "faces": saved.faces,
-        "quaternions": from_rotations(saved.frames).astype(np.float32),
-        "uv": saved.uv,
+def _write(file: BinaryIO, saved: Saved) -> None:
+    """Write the arrays, then the header before them, which has their checksums."""
+    arrays = {
+        name: array.astype(array.dtype.newbyteorder("<"), copy=False)
+        for name, array in _named_arrays(saved).items()
     }
-    for name, variant in saved.variants.items():
-        arrays[f"{name}/weights"] = variant.weights
-        arrays[f"{name}/components"] = variant.components
-        arrays[f"{name}/clusters"] = variant.clusters
-        arrays[f"{name}/matrices"] = None if name in blocks else variant.matrices
-    sources = {name: _Source(array) for name, array in arrays.items() if array is not None}
-    for name, parts in blocks.items():
-        first = np.asarray(next(iter(parts()), np.zeros(0)))
-        if first.shape[1:] != tail or first.dtype not in (np.float32, np.float16):
-            raise ValueError(
-                f"blocks of {name} must be float32 or float16 of the shape (b, {', '.join(map(str, tail))}), "
-                f"got {first.dtype} of {first.shape}"
-            )
-        sources[f"{name}/matrices"] = _Source(first, parts, V)
-    return sources
 
-
-def _write(file: BinaryIO, saved: Saved, sources: Mapping[str, _Source]) -> None:
-    entries, end = [], 0
-    for name, source in sources.items():
-        offset, size = _aligned(end), math.prod(source.shape) * source.dtype.itemsize
+    # Where each array lies
+    entries: list[dict[str, Any]] = []
+    end = 0
+    for name, array in arrays.items():
+        offset = _aligned(end)
         entries.append(
             {
                 "name": name,
-                "dtype": source.dtype.str,
-                "shape": list(source.shape),
+                "dtype": array.dtype.str,
+                "shape": list(array.shape),
                 "offset": offset,
-                "size": size,
+                "size": array.nbytes,
                 "crc32": "0" * 8,
             }
         )
-        end = offset + size
+        end = offset + array.nbytes
     header = {
         "n": saved.n,
         "M": saved.M,
@@ -245,11 +200,15 @@ def _write(file: BinaryIO, saved: Saved, sources: Mapping[str, _Source]) -> None
     }
     length = len(_text(header))
     if length > LONGEST_HEADER:
-        raise ValueError(f"the report is too long for a file: {length} bytes, the most is {LONGEST_HEADER}")
+        raise ValueError(f"report must fit in a header of {LONGEST_HEADER} bytes, got {length} in all")
+
+    # The arrays, whose checksums are as long as the zeros that they replace
     start = _aligned(_FIXED.size + _CHECK.size + length)
-    for entry, (name, source) in zip(entries, sources.items(), strict=True):
+    for entry, array in zip(entries, arrays.values(), strict=True):
         file.seek(start + entry["offset"])
-        entry["crc32"] = f"{_write_parts(file, name, source):08x}"
+        entry["crc32"] = f"{_write_array(file, array):08x}"
+
+    # The header
     text = _text(header)
     fixed = _FIXED.pack(MAGIC, VERSION, length, start + end)
     file.seek(0)
@@ -258,18 +217,30 @@ def _write(file: BinaryIO, saved: Saved, sources: Mapping[str, _Source]) -> None
     os.fsync(file.fileno())
 
 
-def _write_parts(file: BinaryIO, name: str, source: _Source) -> int:
-    """Write an array part by part; return its checksum."""
-    rows = crc = 0
-    for part in source.parts():
-        if part.shape[1:] != source.shape[1:] or part.dtype.newbyteorder("<") != source.dtype:
-            raise ValueError(f"blocks of {name} must be alike, got {part.dtype} of {part.shape}")
-        rows += len(part)
-        content = np.ascontiguousarray(part, source.dtype).data.cast("B")
+def _named_arrays(saved: Saved) -> dict[str, Array]:
+    """Return the arrays of a file by their names, in the order in which they lie."""
+    arrays: dict[str, Array | None] = {
+        "vertices": saved.vertices,
+        "faces": saved.faces,
+        "quaternions": from_rotations(saved.frames).astype(np.float32),
+        "uv": saved.uv,
+    }
+    for name, variant in saved.variants.items():
+        arrays[f"{name}/weights"] = variant.weights
+        arrays[f"{name}/components"] = variant.components
+        arrays[f"{name}/clusters"] = variant.clusters
+        arrays[f"{name}/matrices"] = variant.matrices
+    return {name: array for name, array in arrays.items() if array is not None}
+
+
+def _write_array(file: BinaryIO, array: Array) -> int:
+    """Write an array part by part, so that a mapped one is never in memory; return its checksum."""
+    rows = max(1, _BLOCK_BYTES // max(1, array[:1].nbytes))
+    crc = 0
+    for start in range(0, len(array), rows):
+        content = np.ascontiguousarray(array[start : start + rows]).data.cast("B")
         crc = zlib.crc32(content, crc)
         file.write(content)
-    if rows != source.shape[0]:
-        raise ValueError(f"blocks of {name} must have {source.shape[0]} rows in all, got {rows}")
     return crc
 
 

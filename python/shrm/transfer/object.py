@@ -5,7 +5,6 @@ All arrays are as `shrm.transfer.file` writes them; those of a loaded object are
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -17,9 +16,18 @@ from shrm.files import PathLike
 from shrm.transfer.directional_basis import DirectionalBasis
 from shrm.transfer.file import Saved, damaged, read, write
 from shrm.transfer.lighting import Compressed, Lighting, Tents
-from shrm.transfer.lighting.surface import MOST_ORDER, MOST_TENTS
+from shrm.transfer.lighting.surface import FRAME_TOLERANCE, MOST_ORDER, MOST_TENTS
 from shrm.transfer.variant import VARIANTS, Variant
-from shrm.validation import one_of, real_array, whole_number
+from shrm.validation import (
+    float32_array,
+    indices,
+    one_of,
+    require_instance,
+    require_rotations,
+    require_stored,
+    string,
+    whole_number,
+)
 
 
 @dataclass(eq=False)
@@ -70,46 +78,53 @@ class RadianceTransfer:
         self.channels = whole_number("channels", self.channels, 1, 3)
         if self.channels == 2:
             raise ValueError("channels must be 1 or 3, got 2")
-        self.vertices = _rows("vertices", self.vertices, (None, 3))
+
+        # The mesh and its frames
+        self.vertices = float32_array("vertices", self.vertices, ("V", 3), empty=False)
         V = len(self.vertices)
-        self.faces = _indices("faces", self.faces, (None, 3), V)
-        self.frames = _rows("frames", self.frames, (V, 3, 3))
-        off = np.abs(np.swapaxes(self.frames, 1, 2) @ self.frames - np.eye(3)).max()
-        if off > 1e-5 or np.linalg.det(self.frames).min() < 0:
-            raise ValueError(f"frames must be rotations, orthogonal to 1e-5, got some off by {off:.2g}")
-        self.uv = None if self.uv is None else _rows("uv", self.uv, (V, 2))
-        for what, kind in (("material", str), ("report", dict)):
-            if not isinstance(getattr(self, what), kind):
-                raise TypeError(f"{what} must be a {kind.__name__}, got {getattr(self, what)!r}")
+        self.faces = indices("faces", self.faces, V, ("T", 3), empty=False)
+        self.frames = float32_array("frames", self.frames, (V, 3, 3))
+        require_rotations("frames", self.frames, FRAME_TOLERANCE)
+        self.uv = None if self.uv is None else float32_array("uv", self.uv, (V, 2))
+
+        # What it is made of
+        string("material", self.material)
+        require_instance("report", self.report, dict)
         if not self.variants:
-            raise ValueError("variants must hold at least one")
+            raise ValueError("variants must hold at least one, got none")
         for name in self.variants:
             one_of("variants", name, VARIANTS)
         self.variants = {name: self._fitting(name, variant) for name, variant in self.variants.items()}
+
         self._coarser: dict[tuple[str, int], RealArray] = {}
         self._lit: tuple[tuple[str, int], Lighting] | None = None
 
     def _fitting(self, name: str, variant: Variant) -> Variant:
-        """The variant with clusters in int32; refused if its arrays do not fit."""
+        """Return the variant with clusters in int32; refuse it if its arrays do not fit."""
         V, shape = len(self.vertices), (self.M**2, self.channels, self.n**2)
         weights, components, matrices = variant.weights, variant.components, variant.matrices
+
+        # What there must be
         if (weights is None) != (components is None) or (weights is None and matrices is None):
-            raise ValueError(f"{name} must have weights and components, or matrices")
+            there = [key for key, array in vars(variant).items() if array is not None]
+            raise ValueError(
+                f"{name} must have weights and components, or matrices, got {', '.join(there) or 'none'}"
+            )
         if weights is None and variant.clusters is not None:
-            raise ValueError(f"{name} has clusters without weights")
+            raise ValueError(f"{name} must have weights where it has clusters, got none")
+
+        # What shape it has; matrices may be large, mapped from disk, and are not read
         if matrices is not None:
-            _floats(f"{name}: matrices", matrices, (V, *shape))
-        if weights is not None and components is not None:
-            _floats(f"{name}: weights", weights, (V, None))
-            clustered = () if variant.clusters is None else (None,)
-            _floats(f"{name}: components", components, (*clustered, variant.K, *shape))
-            if variant.clusters is not None:
-                clusters = _indices(f"{name}: clusters", variant.clusters, (V,), len(components))
-                variant = replace(variant, clusters=clusters)
-            for what, array in (("weights", weights), ("components", components)):
-                if not np.isfinite(array).all():
-                    raise ValueError(f"{name}: {what} must be finite")
-        return variant
+            require_stored(f"{name}: matrices", matrices, (V, *shape), finite=False)
+        if weights is None or components is None:
+            return variant
+        require_stored(f"{name}: weights", weights, (V, "K"))
+        clustered = () if variant.clusters is None else ("Q",)
+        require_stored(f"{name}: components", components, (*clustered, variant.K, *shape))
+        if variant.clusters is None:
+            return variant
+        clusters = indices(f"{name}: clusters", variant.clusters, len(components), (V,))
+        return replace(variant, clusters=clusters)
 
     # ---- Radiance
 
@@ -202,42 +217,18 @@ class RadianceTransfer:
             self._coarser[name, M] = projected.reshape(shape)
         return self._coarser[name, M]
 
-    # ---- Its mesh and file
+    # ---- Its file
 
-    def require_mesh(self, vertices: npt.ArrayLike, faces: npt.ArrayLike) -> None:
-        """Refuse a mesh that is not the one that transfer was computed for.
-
-        Parameters
-        ----------
-        vertices : (V, 3) array_like
-            Equal to 1e-5 of the largest coordinate.
-        faces : (T, 3) array_like
+    def save(self, path: PathLike) -> None:
+        """Write the object to a file, whole or not at all; see `shrm.transfer.file.write`.
 
         Raises
         ------
+        shrm.transfer.file.TransferFileError
+            If the file cannot be written.
         ValueError
-            If it is another one.
+            If the report holds what JSON does not.
         """
-        positions, triangles = real_array("vertices", vertices), np.asarray(faces)
-        for what, given, own in (("vertices", positions, self.vertices), ("faces", triangles, self.faces)):
-            if given.shape != own.shape:
-                raise ValueError(
-                    f"the mesh does not match its transfer: it has {what} of shape {given.shape}, "
-                    f"the transfer {own.shape}"
-                )
-        moved = int(
-            (np.abs(positions - self.vertices).max(axis=1) > 1e-5 * np.abs(self.vertices).max()).sum()
-        )
-        turned = int((triangles != self.faces).any(axis=1).sum())
-        if moved or turned:
-            raise ValueError(
-                f"the mesh does not match its transfer: {moved} vertices and {turned} faces are others"
-            )
-
-    def save(
-        self, path: PathLike, *, blocks: Mapping[str, Callable[[], Iterable[RealArray]]] | None = None
-    ) -> None:
-        """Write the object to a file, whole or not at all; see `shrm.transfer.file.write`."""
         saved = Saved(
             vertices=self.vertices,
             faces=self.faces,
@@ -250,7 +241,7 @@ class RadianceTransfer:
             material=self.material,
             report=self.report,
         )
-        write(path, saved, blocks=blocks)
+        write(path, saved)
 
     @classmethod
     def load(cls, path: PathLike, *, verify: bool = False) -> RadianceTransfer:
@@ -266,42 +257,3 @@ class RadianceTransfer:
             return cls(**vars(saved))
         except (TypeError, ValueError, OverflowError) as fault:
             raise damaged(path, fault) from fault
-
-
-def _rows(name: str, value: RealArray, shape: tuple[int | None, ...]) -> Float32Array:
-    """A finite array of this shape as float32 in C order; None is any length above 0."""
-    array = np.asarray(value)
-    if array.dtype.kind not in "fiu":
-        raise TypeError(f"{name} must be an array of real numbers, got dtype {array.dtype}")
-    _require_shape(name, array.shape, shape)
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite")
-    return np.ascontiguousarray(array, np.float32)
-
-
-def _indices(
-    name: str, value: npt.NDArray[np.integer], shape: tuple[int | None, ...], below: int
-) -> Int32Array:
-    array = np.asarray(value)
-    if array.dtype.kind not in "iu":
-        raise TypeError(f"{name} must be an array of whole numbers, got dtype {array.dtype}")
-    _require_shape(name, array.shape, shape)
-    if array.min() < 0 or array.max() >= below:
-        raise ValueError(f"{name} must be in [0, {below}), got {array.min()} to {array.max()}")
-    return np.ascontiguousarray(array, np.int32)
-
-
-def _floats(name: str, value: RealArray, shape: tuple[int | None, ...]) -> None:
-    if not isinstance(value, np.ndarray) or value.dtype not in (np.float32, np.float16):
-        raise TypeError(
-            f"{name} must be an array of float32 or float16, got {getattr(value, 'dtype', value)}"
-        )
-    _require_shape(name, value.shape, shape)
-
-
-def _require_shape(name: str, shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> None:
-    if len(shape) != len(wanted) or any(
-        w not in (None, s) or not s for s, w in zip(shape, wanted, strict=True)
-    ):
-        text = ", ".join("any" if w is None else str(w) for w in wanted)
-        raise ValueError(f"{name} must have the shape ({text}), got {shape}")

@@ -31,11 +31,20 @@ from shrm.transfer.matrices.vertex_matrices import Factors, Matrices
 from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.rays.bounces import MOST_BOUNCES, albedos, leaving
 from shrm.transfer.rays.directions import FEWEST_DIRECTIONS, MOST_DIRECTIONS, local_directions
-from shrm.transfer.rays.occluders import Occluders, mesh_faces, rows
+from shrm.transfer.rays.occluders import Occluders
 from shrm.transfer.rays.visibility import Visibility
 from shrm.transfer.tangent_frames import vertex_frames
 from shrm.transfer.variant import VARIANTS, Variant
-from shrm.validation import flag, number, one_of, require_instance, whole_number
+from shrm.validation import (
+    flag,
+    float32_array,
+    indices,
+    number,
+    one_of,
+    real_array,
+    require_instance,
+    whole_number,
+)
 
 Progress = Callable[[str, int, int], None]
 """What is being done, in words, and how much of how much of it is finished."""
@@ -163,25 +172,27 @@ class Precomputation:
         self.half, self.matrices = flag("half", self.half), flag("matrices", self.matrices)
 
     def _check_mesh(self) -> None:
-        """Take the arrays of the mesh; frames turn x around the vertical where no tangents are given."""
+        """Take the arrays of the mesh, and make the frames of its vertices."""
         for name in ("vertices", "faces", "vertex_normals"):
             if not hasattr(self.mesh, name):
                 raise TypeError(
                     f"mesh must have vertices, faces and vertex_normals, got {type(self.mesh).__name__}"
                 )
-        self.vertices = rows("vertices", self.mesh.vertices, 3)
+        self.vertices = real_array("vertices", self.mesh.vertices, ("V", 3), empty=False)
+        float32_array("vertices", self.vertices)  # as the result has them
         V = len(self.vertices)
-        self.faces = mesh_faces(self.mesh.faces, V)
-        largest = np.abs(self.vertices).max()
-        if largest > np.finfo(np.float32).max:
-            raise ValueError(f"vertices must be within the range of float32, got {largest:.3g}")
-        normals = _rows_of_vertices("vertex_normals", self.mesh.vertex_normals, V, 3)
+        self.faces = indices("faces", self.mesh.faces, V, ("T", 3), empty=False)
+
+        # Frames, around the vertical where no tangents are given
+        normals = real_array("vertex_normals", self.mesh.vertex_normals, (V, 3))
         around = np.cross([0.0, 0.0, 1.0], normals)
         self.frames = vertex_frames(normals, around if self.tangents is None else self.tangents)
+
+        # Texture coordinates of our meshes, or of trimesh's
         uv = getattr(self.mesh, "uv", None)
         if uv is None:
             uv = getattr(getattr(self.mesh, "visual", None), "uv", None)
-        self.uv = None if uv is None else _rows_of_vertices("uv", uv, V, 2).astype(np.float32)
+        self.uv = None if uv is None else float32_array("uv", uv, (V, 2))
 
     @property
     def hidden(self) -> bool:
@@ -387,14 +398,6 @@ def _variants_in_order(variants: Sequence[str]) -> list[str]:
     if not names:
         raise ValueError("variants must name at least one, got none")
     return [name for name in VARIANTS if name in names]
-
-
-def _rows_of_vertices(name: str, value: npt.ArrayLike, count: int, width: int) -> FloatArray:
-    """Return a finite (count, width) float64 array: a row for each vertex."""
-    array = rows(name, value, width)
-    if len(array) != count:
-        raise ValueError(f"{name} must have the shape ({count}, {width}), got {array.shape}")
-    return array
 
 
 @contextmanager

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from shrm import sh
 from shrm.arrays import FloatArray
-from shrm.validation import real_array, whole_number
+from shrm.validation import real_array, require_rotations, whole_number
 
 MOST_ORDER = 32
 """The largest order n, degrees 0 to n - 1."""
@@ -50,10 +50,8 @@ def vertex_frames(normals: npt.ArrayLike, tangents: npt.ArrayLike | None = None)
     TypeError, ValueError
         If an array is not of this shape, or not finite.
     """
-    n = _vectors("normals", normals)
-    t = np.zeros_like(n) if tangents is None else _vectors("tangents", tangents)
-    if len(t) != len(n):
-        raise ValueError(f"tangents must have the shape {n.shape} of normals, got {t.shape}")
+    n = real_array("normals", normals, ("k", 3))
+    t = np.zeros_like(n) if tangents is None else real_array("tangents", tangents, n.shape)
     z = _unit(n, np.array([0.0, 0.0, 1.0]))
     t = _unit(t, np.zeros(3))
     across = t - np.einsum("kc,kc->k", t, z)[:, None] * z
@@ -87,7 +85,8 @@ def band_rotations(frames: npt.ArrayLike, n: int) -> tuple[FloatArray, ...]:
     TypeError, ValueError
         If an argument is not as described.
     """
-    R, n = _rotations("frames", frames), whole_number("n", n, 1, MOST_ORDER)
+    R, n = real_array("frames", frames, ("k", 3, 3)), whole_number("n", n, 1, MOST_ORDER)
+    require_rotations("frames", R)
     directions, inverses = _sampling(n)
     result = [np.empty((len(R), 2 * l + 1, 2 * l + 1)) for l in range(n)]
     for start in range(0, len(R), _BLOCK):
@@ -118,12 +117,8 @@ def local_coefficients(coefficients: npt.ArrayLike, frames: npt.ArrayLike) -> Fl
     TypeError, ValueError
         If an argument is not as described.
     """
-    array, R = real_array("coefficients", coefficients), _rotations("frames", frames)
-    if array.ndim not in (2, 3) or (array.ndim == 3 and len(array) != len(R)):
-        raise ValueError(
-            f"coefficients must have the shape (n^2, channels) or ({len(R)}, n^2, channels), "
-            f"got {array.shape}"
-        )
+    R = real_array("frames", frames, ("k", 3, 3))
+    array = real_array("coefficients", coefficients, ("n^2", "channels"), (len(R), "n^2", "channels"))
     n = sh.degree_of(np.moveaxis(array, -2, 0)) + 1
     bands = band_rotations(R, n)
     parts = [bands[l] @ array[..., l * l : (l + 1) ** 2, :] for l in range(n)]
@@ -147,30 +142,9 @@ def _sampling(n: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
     return directions, tuple(np.asarray(np.linalg.pinv(Y[:, l * l : (l + 1) ** 2])) for l in range(n))
 
 
-def _vectors(name: str, value: npt.ArrayLike) -> FloatArray:
-    array = real_array(name, value)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"{name} must have the shape (k, 3), got {array.shape}")
-    return array
-
-
 def _unit(v: FloatArray, otherwise: FloatArray) -> FloatArray:
     """Unit vectors (k, 3), or `otherwise` for those that are zero."""
     largest = np.abs(v).max(axis=1, initial=0.0, keepdims=True)
     scaled = v / np.where(largest > 0, largest, 1.0)  # squares neither overflow nor vanish
     length = np.linalg.norm(scaled, axis=1, keepdims=True)
     return np.where(length > 0, scaled / np.where(length > 0, length, 1.0), otherwise)
-
-
-def _rotations(name: str, value: npt.ArrayLike) -> FloatArray:
-    array = real_array(name, value)
-    if array.ndim != 3 or array.shape[1:] != (3, 3):
-        raise ValueError(f"{name} must have the shape (k, 3, 3), got {array.shape}")
-    error = np.abs(np.swapaxes(array, 1, 2) @ array - np.eye(3)).max(axis=(1, 2), initial=0.0)
-    bad = np.flatnonzero((error > 1e-6) | (np.linalg.det(array) < 0))
-    if len(bad):
-        raise ValueError(
-            f"{name} must be rotations, orthogonal to 1e-6 with determinant 1, got {len(bad)} that are not, "
-            f"the first at {bad[0]}"
-        )
-    return array

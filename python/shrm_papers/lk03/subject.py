@@ -76,7 +76,9 @@ class Subject:
         """Which rays of the vertices meet nothing."""
         # The folder in which `precompute` looks for them, so that no ray is cast twice
         folder = self._folder / "rays"
-        visibility = Visibility(folder, self.mesh.vertices, self.mesh.faces, self.frames, self.rays)
+        visibility = Visibility(
+            folder, self.mesh.vertices, self.mesh.faces.astype(np.int32), self.frames, self.rays
+        )
         visibility.compute()
         return visibility
 

@@ -12,7 +12,6 @@ L^T ("whitened") before anything is decomposed; components are orthonormal in G,
 them is the sum of the eigenvalues beyond. SNRs are relative to uncompressed radiance, in dB.
 
 `factored`  exact, for A_p = P X_p with one P for all vertices, as one material gives; never forms A
-`exact`     exact, for matrices that fit in memory several times over
 `streamed`  randomised, by subspace iteration [HMT11 algorithm 4.4], for matrices on disk, read in blocks
 """
 
@@ -26,7 +25,7 @@ import numpy as np
 from shrm.arrays import Float32Array, FloatArray, RealArray
 from shrm.transfer.compression.components import PrincipalComponents, components_for
 from shrm.transfer.directional_basis import MOST_TENTS, gram_of_one_dimension
-from shrm.validation import number, whole_number
+from shrm.validation import number, require_finite, require_shape, whole_number
 
 Blocks = RealArray | Callable[[], Iterable[RealArray]]
 """Matrices (V, M^2, C, n^2), mapped from disk maybe; or what gives them anew, in order, in blocks."""
@@ -85,10 +84,9 @@ def factored(
     TypeError, ValueError
         If an argument is not as described.
     """
-    if P.ndim != 3 or X.ndim != 3 or P.shape[2] != X.shape[1] or 0 in P.shape + X.shape:
-        raise ValueError(f"P must be (M^2, C, r) and X (V, r, n^2), got the shapes {P.shape} and {X.shape}")
-    if not np.isfinite(P).all():
-        raise ValueError("P must be finite")
+    require_shape("P", P, ("M^2", "C", "r"), empty=False)
+    require_shape("X", X, ("V", P.shape[2], "n^2"), empty=False)
+    require_finite("P", P)
     sides, (V, r, n2) = _Sides(P.shape[0]), X.shape
     whitened = sides.times(sides.L.T, np.asarray(P, np.float64)[None]).reshape(-1, r)
     Q, U = np.linalg.qr(whitened)
@@ -113,13 +111,6 @@ def factored(
     whitened = Q @ kept.T.reshape(count, len(U), n2)  # (K, M^2 C, n^2)
     components = sides.times(sides.inverse.T, whitened.reshape(count, *P.shape[:2], n2))
     return PrincipalComponents.of(weights, components, left[: count + 1])
-
-
-def exact(matrices: RealArray, *, K: int | None = None, accuracy: float | None = None) -> PrincipalComponents:
-    """Return the exact principal components of matrices (V, M^2, C, n^2); else as `factored`."""
-    _, tents, C, n2 = _matrices_shape(matrices)
-    identity = np.eye(tents * C).reshape(tents, C, tents * C)
-    return factored(identity, matrices.reshape(-1, tents * C, n2), K=K, accuracy=accuracy)
 
 
 def streamed(
@@ -317,7 +308,7 @@ def _matrices_shape(matrices: RealArray) -> tuple[int, int, int, int]:
 def _asked(K: int | None, accuracy: float | None, size: int, otherwise: int | None = None) -> int:
     """The largest K that may be returned."""
     if K is not None and accuracy is not None:
-        raise ValueError("give either K or accuracy, not both")
+        raise ValueError(f"K must be None where accuracy is given, got {K!r}")
     if accuracy is not None:
         number("accuracy", accuracy)
     return whole_number("K", K, 1, size) if K is not None else otherwise or size

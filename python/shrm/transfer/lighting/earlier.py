@@ -21,15 +21,13 @@ from shrm.transfer.lighting.surface import (
     MOST_ORDER,
     Eye,
     Lighting,
-    StoredArray,
     Surface,
     order_of,
     require_channels,
-    stored_array,
     tents_of,
 )
 from shrm.transfer.tangent_frames import band_rotations
-from shrm.validation import one_of, whole_number
+from shrm.validation import StoredArray, float32_array, one_of, stored_array, whole_number
 
 Axis = Literal["reflection", "normal"]
 
@@ -56,7 +54,7 @@ class Diffuse(Lighting):
     """
 
     def __init__(self, transfer: npt.ArrayLike) -> None:
-        self.transfer = stored_array("transfer", transfer, (None, None, None))
+        self.transfer = stored_array("transfer", transfer, ("V", "C", "n^2"))
         self.size, channels, terms = self.transfer.shape
         self.n = order_of("transfer", terms)
         require_channels("transfer", channels)
@@ -118,12 +116,12 @@ class Projection(Lighting):
         self.surface = Surface(vertices, frames)
         self.size = self.surface.size
         parabolic = np.ndim(rows) == 4
-        extents = (len(rows), None, None) if parabolic else (None, None)  # type: ignore[arg-type]
-        given = stored_array("rows", rows, (None, *extents))
+        shape = ("S", len(np.asarray(rows)), "C", "n^2") if parabolic else ("M^2", "C", "n^2")
+        samples = float32_array("rows", rows, shape, empty=False)
         if not parabolic:
-            M = tents_of("rows", len(given))
-            given = given.reshape(M, M, *given.shape[1:])
-        self.rows = np.asarray(given, dtype=np.float32)
+            M = tents_of("rows", len(samples))
+            samples = samples.reshape(M, M, *samples.shape[1:])
+        self.rows = samples
         side, _, channels, terms = self.rows.shape
         whole_number("the side of rows", side, 2, MOST_SAMPLES)
         require_channels("rows", channels)
@@ -190,7 +188,7 @@ class Convolution(Lighting):
         self.surface = Surface(vertices, frames)
         self.size = self.surface.size
         columns = np.asarray(kernel)[:, None] if np.ndim(kernel) == 1 else kernel
-        self.kernel = stored_array("kernel", columns, (None, None)).astype(np.float32, copy=False)
+        self.kernel = float32_array("kernel", columns, ("n", "C"), empty=False)
         self.n = whole_number("the number of degrees of kernel", len(self.kernel), 1, MOST_ORDER)
         require_channels("kernel", self.kernel.shape[1])
         self.transfer = _checked_transfer(transfer, self.size, self.n)

@@ -9,17 +9,18 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
-from shrm.arrays import Float16Array, Float32Array, FloatArray, IntArray
+from shrm.arrays import Float32Array, FloatArray, IntArray
 from shrm.transfer.directional_basis import DirectionalBasis
-from shrm.validation import real_array, require_array, unit_vectors
-
-StoredArray = Float32Array | Float16Array
+from shrm.validation import float32_array, require_array, require_rotations, unit_vectors
 
 MOST_ORDER = 10
 """The largest order n of light, degrees 0 to n - 1."""
 
 MOST_TENTS = 33
 """The largest M."""
+
+FRAME_TOLERANCE = 1e-5
+"""How far frames may be from orthogonal: a hundred roundings of float32, in which files hold them."""
 
 BLOCK = 1024
 """Vertices that are taken together where arrays would be large."""
@@ -47,10 +48,7 @@ class Eye:
         if view is not None:
             return cls(unit_vectors("view", view, 1)[0].astype(np.float32), True)
         assert eye is not None
-        position = real_array("eye", eye)
-        if position.shape != (3,):
-            raise ValueError(f"eye must have the shape (3,), got {position.shape}")
-        return cls(_in_float32("eye", position), False)
+        return cls(float32_array("eye", eye, (3,)), False)
 
 
 class Lighting(ABC):
@@ -101,13 +99,11 @@ class Lighting(ABC):
         return self._radiance(light, Eye.checked(eye, view), out)
 
     def _radiance(self, light: npt.ArrayLike, eye: Eye, out: Float32Array | None) -> Float32Array:
-        coefficients = real_array("light", light)
-        if coefficients.shape != (self.n**2, 3):
-            raise ValueError(f"light must have the shape {(self.n**2, 3)}, got {coefficients.shape}")
+        coefficients = float32_array("light", light, (self.n**2, 3))
         if out is None:
             out = np.empty((self.size, 3), dtype=np.float32)
         require_array("out", out, (self.size, 3), np.float32, writeable=True)
-        self._light(_in_float32("light", coefficients), eye, out)
+        self._light(coefficients, eye, out)
         return out
 
     @abstractmethod
@@ -131,15 +127,9 @@ class Surface:
     """
 
     def __init__(self, vertices: npt.ArrayLike, frames: npt.ArrayLike) -> None:
-        self.vertices = stored_array("vertices", vertices, (None, 3)).astype(np.float32, copy=False)
-        self.frames = stored_array("frames", frames, (self.size, 3, 3)).astype(np.float32, copy=False)
-        error = np.abs(np.swapaxes(self.frames, 1, 2) @ self.frames - np.eye(3, dtype=np.float32))
-        bad = np.flatnonzero((error.max(axis=(1, 2)) > 1e-5) | (np.linalg.det(self.frames) < 0))
-        if len(bad):
-            raise ValueError(
-                f"frames must be rotations, orthogonal to 1e-5 with determinant 1, got {len(bad)} that are "
-                f"not, the first at {bad[0]}"
-            )
+        self.vertices = float32_array("vertices", vertices, ("V", 3), empty=False)
+        self.frames = float32_array("frames", frames, (self.size, 3, 3))
+        require_rotations("frames", self.frames, FRAME_TOLERANCE)
         self.core = _core.TransferSurface(vertices=self.vertices, frames=self.frames)
 
     @property
@@ -157,37 +147,6 @@ class Surface:
         return DirectionalBasis(M).tents(directions)
 
 
-def stored_array(name: str, value: npt.ArrayLike, shape: tuple[int | None, ...]) -> StoredArray:
-    """Return a finite array of this shape, None where any extent will do, in C order.
-
-    Float32 and float16 stay what they are, without a copy where there need be none; other real numbers become
-    float32.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not that, or empty.
-    """
-    array = np.asanyarray(value) if isinstance(value, np.ndarray) else np.asarray(real_array(name, value))
-    if array.dtype.kind not in "fiu" or isinstance(array, np.ma.MaskedArray):
-        raise TypeError(f"{name} must be an array of real numbers, got dtype {array.dtype}")
-    fits = array.ndim == len(shape) and all(
-        wanted in (None, extent) for wanted, extent in zip(shape, array.shape, strict=True)
-    )
-    if not fits or array.size == 0:
-        needed = ", ".join("any" if extent is None else str(extent) for extent in shape)
-        raise ValueError(f"{name} must have the shape ({needed}), not empty, got {array.shape}")
-    kept = array.dtype if array.dtype in (np.float32, np.float16) else np.dtype(np.float32)
-    with np.errstate(over="ignore"):  # said below
-        result: StoredArray = np.ascontiguousarray(array, dtype=kept)
-    for start in range(0, len(result), BLOCK):
-        finite = np.isfinite(result[start : start + BLOCK])
-        if not finite.all():
-            first = start + int(np.flatnonzero(~finite.reshape(len(finite), -1).all(axis=1))[0])
-            raise ValueError(f"{name} must be finite, got values that are not, the first in row {first}")
-    return result
-
-
 def order_of(name: str, terms: int) -> int:
     """Return n of n^2 coefficients of light; ValueError if there is none in [1, 10]."""
     return _root(name, terms, "n^2 coefficients of light, n", 1, MOST_ORDER)
@@ -202,14 +161,6 @@ def require_channels(name: str, channels: int) -> None:
     """Refuse other numbers of channels than 1 and 3."""
     if channels not in (1, 3):
         raise ValueError(f"{name} must have 1 or 3 channels, got {channels}")
-
-
-def _in_float32(name: str, array: FloatArray) -> Float32Array:
-    with np.errstate(over="ignore"):
-        result = np.ascontiguousarray(array, dtype=np.float32)
-    if not np.isfinite(result).all():
-        raise ValueError(f"{name} must be finite in float32, got {np.abs(array).max():g}")
-    return result
 
 
 def _root(name: str, square: int, what: str, least: int, most: int) -> int:

@@ -6,19 +6,17 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm import _core
-from shrm.arrays import Float32Array, Int32Array
+from shrm.arrays import Float32Array
 from shrm.transfer.lighting.surface import (
     BLOCK,
     Eye,
     Lighting,
-    StoredArray,
     Surface,
     order_of,
     require_channels,
-    stored_array,
     tents_of,
 )
-from shrm.validation import whole_number
+from shrm.validation import StoredArray, float32_array, indices, require_instance, stored_array, whole_number
 
 
 class Tents(Lighting):
@@ -42,7 +40,7 @@ class Tents(Lighting):
 
     def __init__(self, vertices: npt.ArrayLike, frames: npt.ArrayLike, matrices: npt.ArrayLike) -> None:
         self.surface = Surface(vertices, frames)
-        self.matrices = stored_array("matrices", matrices, (self.surface.size, None, None, None))
+        self.matrices = stored_array("matrices", matrices, (self.surface.size, "M^2", "C", "n^2"))
         _, tents, channels, terms = self.matrices.shape
         self.size, self.M, self.n = (
             len(self.matrices),
@@ -111,20 +109,21 @@ class Compressed(Lighting):
         K: int | None = None,
     ) -> None:
         self.surface = Surface(vertices, frames)
-        self.weights = stored_array("weights", weights, (self.surface.size, None))
-        self.size, stored = self.weights.shape
-        extents = (stored, None, None, None)
+        self.weights = stored_array("weights", weights, (self.surface.size, "k"))
+        self.size, most = self.weights.shape
+
+        # Components for each cluster, which without clusters is one
+        shape = (most, "M^2", "C", "n^2")
         if clusters is None:
-            given = stored_array("components", components, extents)[None]
+            self.components = float32_array("components", components, shape, empty=False)[None]
         else:
-            given = stored_array("components", components, (None, *extents))
-        self.components = np.asarray(given, dtype=np.float32)
+            self.components = float32_array("components", components, ("Q", *shape), empty=False)
         Q, _, tents, channels, terms = self.components.shape
-        self.clusters = None if clusters is None else _checked_clusters(clusters, self.size, Q)
+        self.clusters = None if clusters is None else indices("clusters", clusters, Q, (self.size,))
         self.M, self.n = tents_of("components", tents), order_of("components", terms)
         require_channels("components", channels)
         self._K = 0
-        self.K = stored if K is None else K
+        self.K = most if K is None else K
 
     @property
     def K(self) -> int:
@@ -185,7 +184,7 @@ class FixedLight(Lighting):
 
     Parameters
     ----------
-    of : Tents or Compressed
+    lighting : Tents or Compressed
 
     Raises
     ------
@@ -193,16 +192,17 @@ class FixedLight(Lighting):
         If it is neither.
     """
 
-    def __init__(self, of: Tents | Compressed) -> None:
-        self.of, self.size, self.n = _require_tents(of), of.size, of.n
+    def __init__(self, lighting: Tents | Compressed) -> None:
+        require_instance("lighting", lighting, Tents, Compressed, what="Tents or Compressed")
+        self.lighting, self.size, self.n = lighting, lighting.size, lighting.n
         self._made_for: object = None
 
     def _light(self, light: Float32Array, eye: Eye, radiance: Float32Array) -> None:
-        made_for = _components_of(self.of), light.tobytes()
+        made_for = _components_of(self.lighting), light.tobytes()
         if self._made_for != made_for:
-            self._coefficients, self._made_for = self.of.coefficients(light), made_for
+            self._coefficients, self._made_for = self.lighting.coefficients(light), made_for
         _core.light_fixed_tents(
-            surface=self.of.surface.core,
+            surface=self.lighting.surface.core,
             coefficients=self._coefficients,
             eye=eye.at,
             distant=eye.distant,
@@ -218,7 +218,7 @@ class FixedView(Lighting):
 
     Parameters
     ----------
-    of : Tents or Compressed
+    lighting : Tents or Compressed
 
     Raises
     ------
@@ -226,36 +226,21 @@ class FixedView(Lighting):
         If it is neither.
     """
 
-    def __init__(self, of: Tents | Compressed) -> None:
-        self.of, self.size, self.n = _require_tents(of), of.size, of.n
+    def __init__(self, lighting: Tents | Compressed) -> None:
+        require_instance("lighting", lighting, Tents, Compressed, what="Tents or Compressed")
+        self.lighting, self.size, self.n = lighting, lighting.size, lighting.n
         self._made_for: object = None
 
     def _light(self, light: Float32Array, eye: Eye, radiance: Float32Array) -> None:
-        made_for = _components_of(self.of), eye.distant, eye.at.tobytes()
+        made_for = _components_of(self.lighting), eye.distant, eye.at.tobytes()
         if self._made_for != made_for:
-            self._rows, self._made_for = self.of.rows(eye), made_for
+            self._rows, self._made_for = self.lighting.rows(eye), made_for
         _core.light_rows(rows=self._rows, light=light, radiance=radiance)
 
 
-def _components_of(of: Tents | Compressed) -> int | None:
-    return of.K if isinstance(of, Compressed) else None
-
-
-def _require_tents(of: object) -> Tents | Compressed:
-    if not isinstance(of, Tents | Compressed):
-        raise TypeError(f"of must be Tents or Compressed, got {type(of).__name__}")
-    return of
-
-
-def _checked_clusters(value: npt.ArrayLike, V: int, Q: int) -> Int32Array:
-    clusters = np.asarray(value)
-    if clusters.dtype.kind not in "iu":
-        raise TypeError(f"clusters must be an array of whole numbers, got dtype {clusters.dtype}")
-    if clusters.shape != (V,):
-        raise ValueError(f"clusters must have the shape ({V},), got {clusters.shape}")
-    if clusters.min() < 0 or clusters.max() >= Q:
-        raise ValueError(f"clusters must be in [0, {Q}), got {clusters.min()} to {clusters.max()}")
-    return np.ascontiguousarray(clusters, dtype=np.int32)
+def _components_of(lighting: Tents | Compressed) -> int | None:
+    """Return how many components are used, which can be changed; None where there are none."""
+    return lighting.K if isinstance(lighting, Compressed) else None
 
 
 def _times_light(matrices: StoredArray, light: Float32Array, result: Float32Array) -> None:

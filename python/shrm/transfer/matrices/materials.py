@@ -47,9 +47,7 @@ class Materials:
             if len(brdfs) > 1:
                 raise ValueError(f"shares must be given for {len(brdfs)} materials")
             return cls(brdfs, None)
-        array = real_array("shares", shares)
-        if array.shape != (vertices, len(brdfs)):
-            raise ValueError(f"shares must have the shape {(vertices, len(brdfs))}, got {array.shape}")
+        array = real_array("shares", shares, (vertices, len(brdfs)))
         if array.min() < 0 or array.max() > MOST_SHARE:
             raise ValueError(f"shares must be in [0, {MOST_SHARE:g}], got {array.min():g} to {array.max():g}")
         return cls(brdfs, array.astype(np.float32))

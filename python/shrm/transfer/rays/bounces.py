@@ -23,12 +23,9 @@ from shrm import sh
 from shrm.arrays import Float32Array, FloatArray, Int32Array, RealArray
 from shrm.transfer.rays.visibility import Block, Visibility
 from shrm.transfer.tangent_frames import band_rotations
-from shrm.validation import real_array, whole_number
+from shrm.validation import real_array
 
 Progress = Callable[[int, int], None]
-
-MOST_ORDER = 10
-"""The largest order n of the light."""
 
 MOST_BOUNCES = 1000
 
@@ -58,7 +55,6 @@ def irradiance(visibility: Visibility, n: int) -> FloatArray:
     TypeError, ValueError
         If n is out of range, or the visibility not computed or damaged.
     """
-    n = whole_number("n", n, 1, MOST_ORDER)
     d = visibility.directions
     weighted = sh.evaluate(np.eye(n * n), d) * _cosines(d)[:, None]  # (D, n^2)
     E = np.empty((len(visibility.vertices), n * n))
@@ -109,7 +105,6 @@ def leaving(
     """
     if not visibility.hits:
         raise ValueError(_NO_HITS)
-    bounces = whole_number("bounces", bounces, 1, MOST_BOUNCES)
     reflected = albedos(albedo, len(visibility.vertices))[:, :, None] / np.pi
     E = irradiance(visibility, n)[:, None, :]  # the same for every channel
     L: FloatArray = reflected * E
@@ -140,9 +135,6 @@ def gathered(visibility: Visibility, leaving: RealArray) -> FloatArray:
     ValueError
         If leaving has another shape, or the visibility has no hits, or is not computed or damaged.
     """
-    if np.ndim(leaving) != 3 or len(leaving) != len(visibility.vertices):
-        wanted = f"({len(visibility.vertices)}, C, n^2)"
-        raise ValueError(f"leaving must have the shape {wanted}, got {np.shape(leaving)}")
     L = np.asarray(leaving, np.float64).reshape(len(leaving), -1)
     E = np.zeros_like(L)
     cosines = _cosines(visibility.directions)
@@ -238,15 +230,11 @@ def _cosines(directions: FloatArray) -> FloatArray:
 
 def albedos(albedo: npt.ArrayLike, count: int) -> FloatArray:
     """Return albedos (V or 1, C), see `leaving`; TypeError or ValueError if they are not as described."""
-    array = real_array("albedo", albedo)
+    array = real_array("albedo", albedo, (), (3,), (count,), (count, 3))
     if array.shape == (3,):
         array = array[None]
-    elif array.shape in ((), (count,)):
+    elif array.ndim < 2:
         array = array.reshape(-1, 1)
-    elif array.shape != (count, 3):
-        raise ValueError(
-            f"albedo must have the shape (), (3,), ({count},) or ({count}, 3), got {array.shape}"
-        )
     if not (array.min() >= 0 and array.max() <= 1):
         raise ValueError(f"albedo must be in [0, 1], got {array.min():g} to {array.max():g}")
     return array[:, :1] if (array == array[:, :1]).all() else array

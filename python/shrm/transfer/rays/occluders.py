@@ -25,10 +25,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from shrm.arrays import BoolArray, Float32Array, FloatArray, Int32Array, RealArray
-from shrm.validation import real_array
 
 _ABOVE = 2.0**-18
 _INWARD = 2.0**-20
@@ -63,35 +61,29 @@ class Occluders:
     Faces without area block nothing. Vertices may coincide, or belong to no face: those are points that only
     look. Edges may have any number of faces.
 
+    Arrays are taken as they are: `shrm.transfer.precompute` checks them.
+
     Parameters
     ----------
-    vertices : (V, 3) array_like
-    faces : (T, 3) array_like of int
-        At least one.
-    normals : (V, 3) array_like, optional
-        At the vertices, of any length. The front of a face is where those of its corners look, on the whole;
-        without normals it is where its corners run counter-clockwise.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an array is not of this shape and kind, or not finite, or a face names a vertex that is not there.
+    vertices : (V, 3) float64
+    faces : (T, 3) int32
+        At least one, in [0, V).
+    normals : (V, 3) float64, optional
+        Normals at the vertices, of any length. The front of a face is where those of its corners look, on the
+        whole; without normals it is where its corners run counter-clockwise.
     """
 
-    def __init__(
-        self, vertices: npt.ArrayLike, faces: npt.ArrayLike, normals: npt.ArrayLike | None = None
-    ) -> None:
-        P = rows("vertices", vertices, 3)
-        self.faces = mesh_faces(faces, len(P))
-        place = _placed(P, self.faces)
+    def __init__(self, vertices: FloatArray, faces: Int32Array, normals: FloatArray | None = None) -> None:
+        self.faces = np.ascontiguousarray(faces, np.int32)
+        place = _placed(vertices, self.faces)
         corners = place[self.faces]
+
+        # Vectors to the front of each face, of any length
         front = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         if normals is not None:
-            N = rows("normals", normals, 3)
-            if len(N) != len(P):
-                raise ValueError(f"normals must have the shape {P.shape} of vertices, got {N.shape}")
-            front *= np.where(np.einsum("tc,tkc->t", front, N[self.faces]) < 0, -1.0, 1.0)[:, None]
+            front *= np.where(np.einsum("tc,tkc->t", front, normals[self.faces]) < 0, -1.0, 1.0)[:, None]
         self._front = front.astype(np.float32)
+
         self._beside = place + _INWARD * _inward(place, self.faces, corners)
         self._scene = _scene(place.astype(np.float32), self.faces)
 
@@ -157,47 +149,6 @@ class Occluders:
         face[behind] = -1
         u, v = (np.clip(found[name][blocked], 0.0, 1.0) for name in ("u", "v"))
         return visible.reshape(len(R), len(d)), (face, u, v)
-
-
-def mesh_faces(faces: npt.ArrayLike, count: int) -> Int32Array:
-    """Return a mesh's faces as a C-contiguous (T, 3) int32 array.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If they are not (T, 3) whole numbers in [0, count), or there are none.
-    """
-    real_array("faces", faces)  # refuses what is no array of numbers
-    array = np.asarray(faces)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"faces must have the shape (T, 3), got {array.shape}")
-    if len(array) == 0:
-        raise ValueError("faces must have at least one, got none")
-    if array.dtype.kind not in "iu":
-        raise TypeError(f"faces must be whole numbers, got dtype {array.dtype}")
-    if count == 0:
-        raise ValueError("vertices must have at least one, got none")
-    bad = np.flatnonzero((array < 0).any(axis=1) | (array >= count).any(axis=1))
-    if len(bad):
-        raise ValueError(
-            f"faces must name vertices from 0 to {count - 1}, got {len(bad)} that do not, "
-            f"the first at {bad[0]}"
-        )
-    return np.ascontiguousarray(array, np.int32)
-
-
-def rows(name: str, value: npt.ArrayLike, width: int) -> FloatArray:
-    """Return a finite (k, width) float64 array.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not that.
-    """
-    array = real_array(name, value)
-    if array.ndim != 2 or array.shape[1] != width:
-        raise ValueError(f"{name} must have the shape (k, {width}), got {array.shape}")
-    return array
 
 
 def _placed(P: FloatArray, faces: Int32Array) -> FloatArray:

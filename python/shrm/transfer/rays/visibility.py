@@ -27,9 +27,8 @@ import numpy.typing as npt
 
 from shrm.arrays import BoolArray, FloatArray, Int32Array
 from shrm.files import write_bytes
-from shrm.transfer.rays.occluders import Hits, Occluders, mesh_faces, rows
-from shrm.transfer.tangent_frames import band_rotations
-from shrm.validation import real_array, whole_number
+from shrm.transfer.rays.occluders import Hits, Occluders
+from shrm.validation import whole_number
 
 VERSION = 1
 
@@ -76,28 +75,27 @@ class Visibility:
     """The visibility of a mesh's vertices, in a folder.
 
     A folder that holds it already, in whole or in part, is continued; one that holds that of something else
-    is refused.
+    is refused. Other arguments are taken as they are: `shrm.transfer.precompute` checks them.
 
     Parameters
     ----------
     folder : path
         Made if it is not there.
-    vertices : (V, 3) array_like
-    faces : (T, 3) array_like of int
-    frames : (V, 3, 3) array_like
+    vertices : (V, 3) float64
+    faces : (T, 3) int32
+        In [0, V).
+    frames : (V, 3, 3) float64
         Rotations global_from_local of the vertices, see `shrm.transfer.tangent_frames.vertex_frames`.
-    directions : (D, 3) array_like
+    directions : (D, 3) float64
         Unit vectors in local coordinates, z >= 0, of equal solid angles 2 pi / D; D a multiple of 8. See
         `shrm.transfer.rays.directions.local_directions`.
     hits : bool
         Whether blocked rays' ends are kept, for light that is reflected.
     block : int
-        Vertices of a block, 1 to 65536.
+        Vertices of a block, at least 1.
 
     Attributes
     ----------
-    vertices, faces, frames, directions : (V, 3) float64, (T, 3) int32, (V, 3, 3) float64, (D, 3) float64
-    hits : bool
     blocks : int
         How many there are in all.
     finished : int
@@ -105,9 +103,8 @@ class Visibility:
 
     Raises
     ------
-    TypeError, ValueError
-        If an argument is not as described, or the folder holds the visibility of something else, or a damaged
-        one.
+    ValueError
+        If the folder holds the visibility of something else, or a damaged one.
     OSError
         If the folder cannot be made or read.
     """
@@ -115,27 +112,18 @@ class Visibility:
     def __init__(
         self,
         folder: str | Path,
-        vertices: npt.ArrayLike,
-        faces: npt.ArrayLike,
-        frames: npt.ArrayLike,
-        directions: npt.ArrayLike,
+        vertices: FloatArray,
+        faces: Int32Array,
+        frames: FloatArray,
+        directions: FloatArray,
         *,
         hits: bool = False,
         block: int = 512,
     ) -> None:
         self.folder = Path(folder)
-        self.vertices: FloatArray = rows("vertices", vertices, 3)
-        self.faces: Int32Array = mesh_faces(faces, len(self.vertices))
-        self.frames: FloatArray = real_array("frames", frames)
-        if self.frames.shape != (len(self.vertices), 3, 3):
-            wanted = (len(self.vertices), 3, 3)
-            raise ValueError(f"frames must have the shape {wanted}, got {self.frames.shape}")
-        band_rotations(self.frames, 1)  # refuses what are no rotations
-        self.directions: FloatArray = _local("directions", directions)
-        if not isinstance(hits, bool):
-            raise TypeError(f"hits must be True or False, got {hits!r}")
-        self.hits = hits
-        self.block = whole_number("block", block, 1, 65536)
+        self.vertices, self.frames, self.directions = vertices, frames, directions
+        self.faces = np.ascontiguousarray(faces, np.int32)  # other types have another checksum
+        self.hits, self.block = hits, block
         self.blocks = -(-len(self.vertices) // self.block)
         self._about = self._parameters()
         self._sizes = self._opened()
@@ -276,15 +264,6 @@ class Visibility:
 
     def _damaged(self, path: Path) -> ValueError:
         return ValueError(f"{path}: missing, cut short or damaged: remove {self.folder} and compute it again")
-
-
-def _local(name: str, value: npt.ArrayLike) -> FloatArray:
-    d = rows(name, value, 3)
-    if len(d) == 0 or len(d) % 8:
-        raise ValueError(f"{name} must be a multiple of 8, got {len(d)}")
-    if np.abs(np.linalg.norm(d, axis=1) - 1).max() > 1e-4 or d[:, 2].min() < 0:
-        raise ValueError(f"{name} must be unit vectors with z >= 0")
-    return d
 
 
 def digest(*arrays: npt.NDArray[Any]) -> str:

@@ -1,192 +1,22 @@
-"""Checks at the door, with one form of refusal: NAME must be WHAT, got WHAT IT WAS.
-
-A wrong kind of thing is a TypeError, a wrong value or shape a ValueError. Functions called by what they
-return (`number`, `indices`, ...) return the argument in that form; those called `require_...` only check.
-
-    number    positive    fraction    whole_number    number_or_rgb          numbers
-    flag    string    one_of    picture_shape    require_instance         other single values
-    real_array    float32_array    indices    unit_vectors    rotation       arrays that are converted
-    require_array    require_stored    require_shape    require_finite       arrays that are taken as they are
-"""
+"""Checks of arrays: what their values are, which shape they have, how they lie in memory."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
-from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from shrm.arrays import Float32Array, FloatArray, Int32Array, RealArray
-
-RGB = tuple[float, float, float]
+from shrm.arrays import Float16Array, Float32Array, FloatArray, Int32Array, RealArray
 
 Shape = tuple[int | str, ...]
 """Lengths of axes; one given by a name, such as "n", may be any."""
 
+StoredArray = Float32Array | Float16Array
+"""Arrays as files hold them."""
+
 _BLOCK = 1 << 20
 """Values whose finiteness is tested at once: memory stays small beside the array."""
-
-
-def number(name: str, value: object, least: float = -math.inf, most: float = math.inf) -> float:
-    """Return a finite number in [least, most].
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not that.
-    """
-    if not isinstance(value, Real) or isinstance(value, bool):
-        raise TypeError(f"{name} must be a number, got {value!r}")
-    result = float(value)
-    if not math.isfinite(result):
-        raise ValueError(f"{name} must be {_range(least, most) or 'finite'}, got {result:g}")
-    if not least <= result <= most:
-        raise ValueError(f"{name} must be {_range(least, most)}, got {result:g}")
-    return result
-
-
-def number_or_rgb(name: str, value: object, least: float, most: float = math.inf) -> float | RGB:
-    """Return a number, or a triple of numbers (R, G, B), in [least, most].
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not that.
-    """
-    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str | bytes) or np.ndim(value) == 0:
-        return number(name, value, least, most)
-    if len(value) != 3:
-        raise TypeError(f"{name} must be a number or three (R, G, B), got {len(value)} values")
-    red, green, blue = (number(name, channel, least, most) for channel in value)
-    return red, green, blue
-
-
-def fraction(name: str, value: object) -> float:
-    """Return a number in [0, 1).
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not that.
-    """
-    result = number(name, value)
-    if not 0 <= result < 1:
-        raise ValueError(f"{name} must be in [0, 1), got {result:g}")
-    return result
-
-
-def positive(name: str, value: object, below: float = math.inf) -> float:
-    """Return a finite number above 0 and below another.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not that.
-    """
-    result = number(name, value)
-    if not 0 < result < below:
-        needed = "above 0" if below == math.inf else f"above 0 and below {below:g}"
-        raise ValueError(f"{name} must be {needed}, got {result:g}")
-    return result
-
-
-def whole_number(name: str, value: object, least: int, most: int | None = None) -> int:
-    """Return a whole number in [least, most].
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not that.
-    """
-    if not isinstance(value, Integral) or isinstance(value, bool):
-        raise TypeError(f"{name} must be a whole number, got {value!r}")
-    result = int(value)
-    if result < least or (most is not None and result > most):
-        raise ValueError(f"{name} must be {_range(least, math.inf if most is None else most)}, got {result}")
-    return result
-
-
-def picture_shape(
-    name: str, value: object, least: tuple[int, int] = (1, 1), most: int = 65536
-) -> tuple[int, int]:
-    """Return the shape (H, W) of a picture, H in [least[0], most] and W in [least[1], most].
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not that.
-    """
-    if not isinstance(value, Sequence) or isinstance(value, str | bytes) or len(value) != 2:
-        raise TypeError(f"{name} must be a pair (H, W), got {value!r}")
-    H, W = (whole_number(f"{name}[{k}]", value[k], least[k], most) for k in (0, 1))
-    return H, W
-
-
-def one_of(name: str, value: str, options: Iterable[str]) -> str:
-    """Return one of the options.
-
-    Raises
-    ------
-    ValueError
-        If it is none of them.
-    """
-    options = tuple(options)
-    if value not in options:
-        raise ValueError(f"{name} must be one of {', '.join(options)}, got {value!r}")
-    return value
-
-
-def flag(name: str, value: object) -> bool:
-    """Return True or False.
-
-    Raises
-    ------
-    TypeError
-        If it is neither.
-    """
-    if not isinstance(value, bool | np.bool_):
-        raise TypeError(f"{name} must be True or False, got {value!r}")
-    return bool(value)
-
-
-def string(name: str, value: object) -> str:
-    """Return a string.
-
-    Raises
-    ------
-    TypeError
-        If it is none.
-    """
-    if not isinstance(value, str):
-        raise TypeError(f"{name} must be a string, got {value!r}")
-    return value
-
-
-def require_instance(name: str, value: object, *kinds: type, what: str | None = None) -> None:
-    """Refuse what is of none of some classes.
-
-    Parameters
-    ----------
-    name : str
-        The argument.
-    value : object
-        What it was given.
-    *kinds : type
-        The classes.
-    what : str, optional
-        What it must be, in words; by default the names of the classes.
-
-    Raises
-    ------
-    TypeError
-        If it is of none of them.
-    """
-    if not isinstance(value, kinds):
-        needed = what or " or ".join(_with_article(kind.__name__) for kind in kinds)
-        raise TypeError(f"{name} must be {needed}, got {type(value).__name__}")
 
 
 def real_array(name: str, value: npt.ArrayLike, *shapes: Shape, empty: bool = True) -> FloatArray:
@@ -228,6 +58,27 @@ def float32_array(name: str, value: npt.ArrayLike, *shapes: Shape, empty: bool =
         largest = np.abs(array).max()
         raise ValueError(f"{name} must be within the range of float32, got {largest:.3g}")
     return result
+
+
+def stored_array(name: str, value: npt.ArrayLike, *shapes: Shape) -> StoredArray:
+    """Return a finite array of float32 or float16, not empty, in C order, of one of these shapes.
+
+    Those of these types stay what they are, without a copy where there need be none; other real numbers
+    become float32.
+
+    Raises
+    ------
+    TypeError
+        If it is not made of real numbers.
+    ValueError
+        If a value is NaN or infinite, or beyond the range of float32, or the shape is another.
+    """
+    array = _numeric_array(name, value, "fiu", "real")
+    if array.dtype not in (np.float32, np.float16):
+        return float32_array(name, array, *shapes, empty=False)
+    require_shape(name, array, *shapes, empty=False)
+    require_finite(name, array)
+    return np.ascontiguousarray(array)
 
 
 def indices(name: str, value: npt.ArrayLike, below: int, *shapes: Shape, empty: bool = True) -> Int32Array:
@@ -306,8 +157,10 @@ def require_finite(name: str, value: RealArray) -> None:
         raise ValueError(f"{name} must be finite, got {len(bad)} values that are not, the first at {where}")
 
 
-def require_stored(name: str, value: object, *shapes: Shape) -> None:
-    """Refuse what is not a finite array of float32 or float16, not empty, of one of these shapes.
+def require_stored(name: str, value: object, *shapes: Shape, finite: bool = True) -> None:
+    """Refuse what is not an array of float32 or float16, not empty, of one of these shapes.
+
+    It must be finite, too, unless that is not asked for, as of large arrays that are mapped from disk.
 
     Raises
     ------
@@ -318,7 +171,8 @@ def require_stored(name: str, value: object, *shapes: Shape) -> None:
         kind = value.dtype if isinstance(value, np.ndarray) else type(value).__name__
         raise TypeError(f"{name} must be an array of float32 or float16, got {kind}")
     require_shape(name, value, *shapes, empty=False)
-    require_finite(name, value)
+    if finite:
+        require_finite(name, value)
 
 
 def require_array(
@@ -391,18 +245,23 @@ def rotation(name: str, value: npt.ArrayLike) -> FloatArray:
     return matrix
 
 
-def _range(least: float, most: float) -> str:
-    """Say a range as an error does: 'in [0, 1]', 'at least 0'; nothing for all numbers."""
-    if most < math.inf:
-        return f"in [{least:g}, {most:g}]"
-    return f"at least {least:g}" if least > -math.inf else ""
+def require_rotations(name: str, value: RealArray, tolerance: float = 1e-6) -> None:
+    """Refuse an array (n, 3, 3) of matrices that are no rotations: orthogonal to a tolerance, determinant 1.
+
+    Raises
+    ------
+    ValueError
+        If one is none; the text counts them and names the first.
+    """
+    error = np.abs(np.swapaxes(value, 1, 2) @ value - np.eye(3, dtype=value.dtype))
+    bad = np.flatnonzero((error.max(axis=(1, 2), initial=0.0) > tolerance) | (np.linalg.det(value) < 0))
+    if len(bad):
+        raise ValueError(
+            f"{name} must be rotations, orthogonal to {tolerance:g} with determinant 1, "
+            f"got {len(bad)} that are not, the first at {bad[0]}"
+        )
 
 
 def _shape_text(shape: Shape) -> str:
     """Write a shape as Python does: '(n, 3)', '(V,)'."""
     return f"({', '.join(map(str, shape))}{',' if len(shape) == 1 else ''})"
-
-
-def _with_article(name: str) -> str:
-    """Put 'a' or 'an' before the name of a class."""
-    return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"
