@@ -7,8 +7,9 @@ import counts
 import numpy as np
 import numpy.typing as npt
 import pytest
-from inputs import FloatArray, coefficients, relative_rms, texels
+from inputs import FloatArray, coefficients, texels
 from shrm import _core, sh
+from shrm_papers.errors import relative_rms
 
 Measured = Callable[..., Any]
 

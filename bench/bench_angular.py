@@ -12,12 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from inputs import frames, relative_rms
-from limits import threads
+from inputs import frames
 from shrm import Environment, brdf
 from shrm.environment.layouts import directions
 from shrm.integrate.angular import AngularReflection, integrate, prefilter_angular
 from shrm.integrate.angular_lobes import IsotropicIntegral
+from shrm.threads import thread_count
+from shrm_papers.errors import relative_rms
 from shrm_papers.rh02.flops import (
     FLOPS_OF_SUM,
     FLOPS_OF_WEIGHT,
@@ -71,7 +72,7 @@ def state_share(
     benchmark: Any, pairs: float, seconds: float, most: float, operations: float, peak: Peak
 ) -> None:
     """Say how many samples a second a thread does, of how many that its loop could."""
-    rate = pairs / seconds / threads()
+    rate = pairs / seconds / thread_count()
     benchmark.extra_info.update(
         samples=pairs,
         samples_per_second_and_core=rate,

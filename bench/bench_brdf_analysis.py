@@ -4,9 +4,9 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from inputs import relative_rms
 from shrm import brdf
 from shrm.frequency.analysis import analyse
+from shrm_papers.errors import relative_rms
 
 Measured = Callable[..., Any]
 

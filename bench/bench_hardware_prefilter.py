@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from inputs import frames, relative_rms
+from inputs import frames
 from shrm import Environment, brdf, prefilter_angular
 from shrm.viewer import Context, ContextError, HardwarePrefilter, offscreen
+from shrm_papers.errors import relative_rms
 
 Measured = Callable[..., Any]
 

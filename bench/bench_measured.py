@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 from inputs import FloatArray
-from limits import threads
 from processes import found_by
 from shrm import Environment, ImageWarning, ToleranceWarning, brdf, prefilter
 from shrm.frequency.reflection_map import ReflectionMap
+from shrm.threads import thread_count
 from support import oracles, sharp_oracle  # the judges of the tests
 
 Row = dict[str, Any]
@@ -53,7 +53,7 @@ def row(file: Path, lights: dict[str, Environment]) -> Row:
     found = {name: under(env, material) for name, env in lights.items()}
     return {
         "material": material.name,
-        **found_by("prepare_measured.py", str(file), threads=threads()),
+        **found_by("prepare_measured.py", str(file), threads=thread_count()),
         "lights": found,
     }
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from inputs import frames, relative_rms
+from inputs import frames
 from shrm import (
     Environment,
     ToleranceWarning,
@@ -23,6 +23,7 @@ from shrm.integrate.angular import integrate
 from shrm.prefiltered import Anisotropic, Cabral, Diffuse, KautzMcCool2D, KautzMcCool3D, Phong
 from shrm.prefiltered import prefilter as prefilter_explicit
 from shrm.viewer import Context, ContextError, HardwarePrefilter, offscreen
+from shrm_papers.errors import relative_rms
 
 Noted = Callable[[Callable[[], list[dict[str, Any]]]], None]
 Row = dict[str, Any]

@@ -6,8 +6,9 @@ from typing import Any
 import counts
 import numpy as np
 import pytest
-from inputs import frames, relative_rms
+from inputs import frames
 from shrm import Environment, brdf, prefilter, sh
+from shrm_papers.errors import relative_rms
 
 Measured = Callable[..., Any]
 

@@ -7,12 +7,13 @@ from typing import Any
 import counts
 import numpy as np
 import pytest
-from inputs import TURN, FloatArray, latlong_directions, relative_rms
+from inputs import TURN, FloatArray, latlong_directions
 from maps import exact_rows, some_rows
 from shrm import Environment, Prefilter, ReflectionMap, _core, brdf, sh
 from shrm.frequency.analysis import analyse
 from shrm.frequency.expansion import windowed
 from shrm.frequency.orders import analysed
+from shrm_papers.errors import relative_rms
 
 Measured = Callable[..., Any]
 

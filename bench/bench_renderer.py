@@ -6,11 +6,12 @@ from typing import Any
 import moderngl
 import numpy as np
 import pytest
-from inputs import TURN, relative_rms
+from inputs import TURN
 from shrm import Environment, Prefilter, ReflectionMap, brdf
 from shrm.render import Camera, Object, Sphere, render, row_camera
 from shrm.viewer import ContextError, Renderer, Scene
 from shrm.viewer.gpu.maps import LobeMaps
+from shrm_papers.errors import relative_rms
 
 Measured = Callable[..., Any]
 

@@ -4,8 +4,9 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from inputs import TURN, coefficients, relative_rms
+from inputs import TURN, coefficients
 from shrm import Environment, sh
+from shrm_papers.errors import relative_rms
 
 Measured = Callable[..., Any]
 

@@ -6,10 +6,11 @@ from typing import Any
 import counts
 import numpy as np
 import pytest
-from inputs import coefficients, relative_rms
+from inputs import coefficients
 from maps import exact_rows, product, some_rows
 from shrm import _core, sh
 from shrm.frequency.rings import BORDER
+from shrm_papers.errors import relative_rms
 
 Measured = Callable[..., Any]
 

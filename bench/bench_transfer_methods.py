@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from limits import threads
 from processes import BOUND, found_by
+from shrm.threads import thread_count
 
 MESH = Path(__file__).resolve().parents[2] / "shared" / "data" / "mesh" / "armadillo.obj"
 
@@ -16,4 +16,4 @@ def bench_transfer_methods(noted: Callable[[Callable[[], list[dict[str, Any]]]],
     """The armadillo, glossy, shadowed and not; rays, precomputation and judging included in the time."""
     if not MESH.exists():
         pytest.skip("needs ../shared/data/mesh/armadillo.obj")
-    noted(lambda: found_by("transfer_methods.py", str(MESH), threads=threads(), **BOUND))
+    noted(lambda: found_by("transfer_methods.py", str(MESH), threads=thread_count(), **BOUND))

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from limits import threads
 from processes import found_by
+from shrm.threads import thread_count
 
 MESH = Path(__file__).resolve().parents[2] / "shared" / "data" / "mesh" / "armadillo.obj"
 
@@ -23,4 +23,8 @@ def bench_transfer_precompute(noted: Callable[[Callable[[], list[dict[str, Any]]
     """The armadillo with 50,000 vertices, 4096 directions, an accuracy of 24 dB."""
     if not MESH.exists():
         pytest.skip("needs ../shared/data/mesh/armadillo.obj")
-    noted(lambda: [found_by("precompute_transfer.py", str(MESH), *one, threads=threads()) for one in OBJECTS])
+    noted(
+        lambda: [
+            found_by("precompute_transfer.py", str(MESH), *one, threads=thread_count()) for one in OBJECTS
+        ]
+    )

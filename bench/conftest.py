@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 from counts import Work
-from limits import ROOT, limits, share, threads
+from limits import ROOT, limits, share
+from shrm.threads import thread_count
 
 
 def _machine() -> str:
@@ -31,12 +32,12 @@ def _commit() -> str:
     return done.stdout.strip() or "unknown"
 
 
-_ABOUT = {"machine": _machine(), "threads": threads(), "commit": _commit()}
+_ABOUT = {"machine": _machine(), "threads": thread_count(), "commit": _commit()}
 
 
 def pytest_benchmark_update_machine_info(machine_info: dict[str, Any]) -> None:
     if shutil.which("g++"):
-        machine_info["limits"] = [limits(count) for count in sorted({1, threads()})]
+        machine_info["limits"] = [limits(count) for count in sorted({1, thread_count()})]
 
 
 @pytest.fixture
@@ -59,7 +60,7 @@ def measured(benchmark: Any) -> Callable[..., Any]:
         result = benchmark(call)
         benchmark.extra_info.update(_ABOUT, work=work, error=float(error(result)))
         if kernels and benchmark.stats is not None and shutil.which("g++"):
-            reached, bound = share(kernels, benchmark.stats.stats.median, limits(threads()))
+            reached, bound = share(kernels, benchmark.stats.stats.median, limits(thread_count()))
             benchmark.extra_info.update(
                 flops=sum(kernel.flops for kernel in kernels),
                 bytes=sum(kernel.bytes for kernel in kernels),

@@ -1,4 +1,4 @@
-"""What the benchmarks are fed with, and how far two results differ."""
+"""What the benchmarks are fed with."""
 
 from typing import Any
 
@@ -6,12 +6,6 @@ import numpy as np
 import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
-
-
-def relative_rms(a: npt.ArrayLike, b: npt.ArrayLike) -> float:
-    """Root mean square of a - b over that of b."""
-    found, exact = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
-    return float(np.sqrt(((found - exact) ** 2).sum() / (exact**2).sum()))
 
 
 def coefficients(F: int, channels: int = 3, seed: int = 1) -> FloatArray:

@@ -18,9 +18,10 @@ import counts
 import numpy as np
 from counts import Work
 from inputs import coefficients, texels
-from limits import least_seconds, limits, threads
+from limits import least_seconds, limits
 from shrm import _core, sh
 from shrm.frequency.rings import BORDER, empty_halves
+from shrm.threads import thread_count
 
 SECONDS = 3.0
 H, N, F, P = 512, 64, 30, 3
@@ -78,7 +79,7 @@ def main() -> int:
         start = time.perf_counter()
         call()
         best = min(best, time.perf_counter() - start)
-    least, bound = least_seconds(work, limits(threads()))
+    least, bound = least_seconds(work, limits(thread_count()))
     found = {
         "work": sys.argv[1],
         "ms": 1e3 * best,

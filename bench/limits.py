@@ -14,14 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from counts import Work
+from shrm.threads import thread_count
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build"
-
-
-def threads() -> int:
-    """Threads that OpenMP starts."""
-    return int(os.environ.get("OMP_NUM_THREADS", len(os.sched_getaffinity(0))))
 
 
 def compiled(source: Path, name: str, *options: str) -> Path:
@@ -86,5 +82,5 @@ def share(works: Sequence[Work], seconds: float, machine: dict[str, Any]) -> tup
 
 
 if __name__ == "__main__":
-    json.dump([limits(count) for count in sorted({1, threads()})], sys.stdout, indent=1)
+    json.dump([limits(count) for count in sorted({1, thread_count()})], sys.stdout, indent=1)
     print()

@@ -21,9 +21,8 @@ import counts
 import numpy as np
 import numpy.typing as npt
 from counts import Work
-from inputs import relative_rms
-from limits import threads
 from shrm import sh
+from shrm.threads import thread_count
 from shrm.transfer.directional_basis import DirectionalBasis
 from shrm.transfer.lighting import (
     Compressed,
@@ -36,6 +35,7 @@ from shrm.transfer.lighting import (
     Tents,
 )
 from shrm.transfer.tangent_frames import band_rotations
+from shrm_papers.errors import relative_rms
 
 V, n, SIDE, STORED = 50_000, 5, 64, 50
 TERMS = n * n
@@ -248,7 +248,7 @@ WAYS = {
 def measured(way: Way, stored: Stored) -> dict[str, float]:
     """Return milliseconds a frame, the error, and the share of the machine's limit."""
     lighting, out = way.make(stored), np.empty((V, 3), dtype=np.float32)
-    clock = time.thread_time if threads() == 1 else time.perf_counter
+    clock = time.thread_time if thread_count() == 1 else time.perf_counter
     taken: list[float] = []
     end = time.perf_counter() + SECONDS
     while len(taken) < LEAST_FRAMES or time.perf_counter() < end:

@@ -17,8 +17,9 @@ from typing import Any
 
 import numpy as np
 import scipy.fft
-from inputs import relative_rms, texels
+from inputs import texels
 from shrm import _core, sh
+from shrm_papers.errors import relative_rms
 
 DEGREES = (30, 100, 200, 300, 500, 1000)
 NARROW = 16

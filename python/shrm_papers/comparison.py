@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from shrm.arrays import FloatArray
 from shrm.render import Picture, Reflection
+from shrm.vectors import unit
 
 from shrm_papers.errors import relative_rms
 from shrm_papers.result import Cell
@@ -88,10 +89,10 @@ class Frames:
     def drawn(cls, n: int, seed: int = 20020721) -> Frames:
         """Draw n frames."""
         rng = np.random.default_rng(seed)
-        N = _unit(rng.normal(size=(n, 3)))
+        N = unit(rng.normal(size=(n, 3)))
         cosine = np.sqrt(rng.uniform(size=(n, 1)))
         V = cosine * N + np.sqrt(1 - cosine**2) * _across(N, rng)
-        return cls(N, _unit(V), _across(N, rng))
+        return cls(N, unit(V), _across(N, rng))
 
     def radiance(self, reflection: Reflection) -> FloatArray:
         """Return the radiance of a reflection in every frame, (n, 3)."""
@@ -215,8 +216,4 @@ def unclipped(picture: Picture) -> float:
 
 def _across(N: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Return unit vectors across N, uniform around it."""
-    return _unit(np.cross(N, _unit(rng.normal(size=N.shape))))
-
-
-def _unit(x: FloatArray) -> FloatArray:
-    return np.asarray(x / np.linalg.norm(x, axis=-1, keepdims=True))
+    return unit(np.cross(N, unit(rng.normal(size=N.shape))))

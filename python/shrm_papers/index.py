@@ -7,8 +7,9 @@ from pathlib import Path
 
 import shrm
 from shrm.files import write_bytes
+from shrm.threads import thread_count
 
-from shrm_papers.machine import processor, threads
+from shrm_papers.machine import processor
 from shrm_papers.result import Result, Settings
 
 
@@ -24,7 +25,7 @@ def write_index(folder: Path, settings: Settings, results: Sequence[Result]) -> 
         "",
         f"- Environment: {settings.env_name}, {W} x {H} as lat-long",
         f"- Fits to measured materials: {'none' if settings.fits is None else settings.fits.name}",
-        f"- Machine: {processor()}, {threads()} threads",
+        f"- Machine: {processor()}, {thread_count()} threads",
         f"- shrm {shrm.__version__}" + (", quick: fewer rows and samples" if settings.quick else ""),
         "",
     ]

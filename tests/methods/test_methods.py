@@ -19,10 +19,6 @@ from support import oracles
 SKY = Environment.daylight(size=32)
 
 
-def relative_rms(a: np.ndarray, b: np.ndarray) -> float:
-    return float(np.sqrt(((a - b) ** 2).sum() / (b**2).sum()))
-
-
 def seconds(s: float, H: int, layout: str = "latlong") -> tuple[float, float]:
     """Predicted for Phong between pictures of H rows, F as [RH02] appendix D has it."""
     material, F = brdf.Phong(s), int(np.ceil(np.sqrt(-s * np.log(0.01))))
@@ -70,7 +66,7 @@ def test_what_frequency_space_cannot_reach_is_integrated():
     N, V = oracles.random_views(40, seed=3)
     exact = integrate(SKY, mirror, N, V, subsamples=4)
     # The bare sun: nodes finer than texels are needed, and had by default.
-    assert relative_rms(found.radiance(N, V), exact) < 0.02
+    assert oracles.relative_rms(found.radiance(N, V), exact) < 0.02
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -80,7 +76,7 @@ def test_either_way_the_tolerance_is_met(method):
     exact = prefilter(SKY, material, orders=(60, 0), size=48).at_view(view)
     found = METHODS[method](SKY, material, tolerance=0.05, size=48).at_view(view)
     area = np.sqrt(np.sin((np.arange(48) + 0.5) * np.pi / 48))[:, None, None]
-    assert relative_rms(area * found, area * exact) < 0.05
+    assert oracles.relative_rms(area * found, area * exact) < 0.05
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,7 @@ from shrm.render import (
     row_picture,
 )
 from shrm.render.camera import Vector
+from shrm.vectors import unit
 
 MATERIALS = {
     "matt": "lambert:.75/.72/.68",
@@ -209,11 +210,6 @@ def directions_near_the_sun(
     # Uniform is 1/2 per unit of the cosine; the mixture is 1/4, and 1 / (2 (1 - rim)) more in the cap.
     density = 0.25 + np.where(cosine >= rim, 0.5 / (1.0 - rim), 0.0)
     return directions, 0.5 / density
-
-
-def unit(vectors: FloatArray) -> FloatArray:
-    """Vectors of unit length."""
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
 def single(vectors: FloatArray) -> Float32Array:

@@ -16,6 +16,7 @@ import numpy as np
 
 from shrm.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from shrm.render.camera import Vector
+from shrm.vectors import unit
 
 VERTICAL: Vector = (0.0, 0.0, 1.0)
 
@@ -169,12 +170,6 @@ class Planes:
 def components(vectors: FloatArray, x: FloatArray, y: FloatArray) -> ComplexArray:
     """Vectors (..., 3) in planes with the bases x, y (..., 3), as complex numbers (...)."""
     return np.asarray((vectors * x).sum(axis=-1) + 1j * (vectors * y).sum(axis=-1))
-
-
-def unit(vectors: FloatArray) -> FloatArray:
-    """Vectors (..., 3) of unit length; zero stays zero."""
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(vectors / np.where(lengths > 0.0, lengths, 1.0))
 
 
 def _corner_areas(edges: FloatArray) -> FloatArray:

@@ -12,11 +12,12 @@ import numpy as np
 from shrm.arrays import Float32Array, FloatArray, IntArray
 from shrm.environment.lookup import texture_lookup
 from shrm.render.camera import Vector
-from shrm.render.line_field import orthogonalised, unit
+from shrm.render.line_field import orthogonalised
 from shrm.render.placement import Placement, about_vertical
 from shrm.render.shapes import Hits
 from shrm.render.tangents import Tangents, principal_tangents, uv_tangents
 from shrm.validation import one_of
+from shrm.vectors import unit
 
 
 @dataclass(frozen=True, eq=False)

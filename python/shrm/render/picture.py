@@ -15,10 +15,11 @@ import numpy.typing as npt
 from shrm.arrays import BoolArray, Float32Array, FloatArray
 from shrm.environment.lookup import environment_lookup, texture_lookup
 from shrm.render.camera import Camera, Vector
-from shrm.render.line_field import VERTICAL, orthogonalised, tangents_around, unit
+from shrm.render.line_field import VERTICAL, orthogonalised, tangents_around
 from shrm.render.mesh import Mesh
 from shrm.render.shapes import Hits, Shape
 from shrm.render.vertex_radiance import VertexRadiance
+from shrm.vectors import unit
 
 RAYS_AT_ONCE = 1 << 17  # bounds the memory of a picture of any size
 

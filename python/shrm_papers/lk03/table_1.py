@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from shrm.threads import thread_count
 
 from shrm_papers.lk03.methods import TENTS, Judged, compare
 from shrm_papers.lk03.reference import VERTICES, VIEWS
 from shrm_papers.lk03.subject import Subject, note, subject_of
-from shrm_papers.machine import threads
 from shrm_papers.plotting import COLORS, panels, plain_log
 from shrm_papers.result import Cell, Result, Settings
 
@@ -87,9 +87,9 @@ def _notes(subject: Subject, judged: Sequence[Judged]) -> list[str]:
     glossy, phong = judged[0].material, judged[-1].material
     return [
         note(subject),
-        f"Lighting only, as in [LK03]: {threads()} threads here, a Pentium 4 at 2.26 GHz and 50000 vertices "
-        "there; its bird was shadowed and its head was not. Light of order 5, three colors; eye and light "
-        "move between frames. Median wall times, of the best of three bursts.",
+        f"Lighting only, as in [LK03]: {thread_count()} threads here, a Pentium 4 at 2.26 GHz and 50000 "
+        "vertices there; its bird was shadowed and its head was not. Light of order 5, three colors; eye and "
+        "light move between frames. Median wall times, of the best of three bursts.",
         f"The material is {glossy}, for the matt row Lambert's, for the convolution {phong}.",
         f"SNR: radiance from {VERTICES} vertices towards viewers in {VIEWS} directions, over the error "
         "against the sum over the same rays with neither tents nor harmonics in between, for white light of "

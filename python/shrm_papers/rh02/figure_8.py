@@ -8,7 +8,6 @@ F = 30 is too sharp for that F.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -18,6 +17,7 @@ import numpy as np
 from shrm.brdf import BRDF, GGX, Beckmann, Lambert, Microfacet, load
 from shrm.brdf.lobe import Center
 from shrm.brdf.parse import SUFFIXES
+from shrm.threads import thread_count
 
 from shrm_papers.result import Cell, Result, Settings
 from shrm_papers.rh02 import fits
@@ -51,7 +51,7 @@ def make(settings: Settings) -> Result:
         BUILT_IN: models(),
     }
     step = QUICK if settings.quick else 1
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with ThreadPoolExecutor(thread_count()) as pool:
         accuracies = {
             source: grouped(pool.map(measure, list(brdfs)[::step], list(brdfs.values())[::step]))
             for source, brdfs in sources.items()

@@ -24,6 +24,7 @@ from shrm.brdf.lobe import Center, IsotropicLobe, ZonalLobe
 from shrm.brdf.material import BRDF, Material
 from shrm.brdf.value import Value
 from shrm.validation import one_of
+from shrm.vectors import unit
 
 Function = Callable[[FloatArray, FloatArray], FloatArray]
 
@@ -205,9 +206,9 @@ def _require_angles_from_tangent(f: Function, title: str, rng: np.random.Generat
 def _pairs_about_mirror(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
     """Return 512 pairs above the horizon: wi round the reflection of wo, from very near to anywhere."""
     spread = np.repeat([0.01, 0.05, 0.2, 2.0], 128)[:, None]
-    wo = _unit(rng.normal(size=(512, 3)))
+    wo = unit(rng.normal(size=(512, 3)))
     wo[:, 2] = np.abs(wo[:, 2])
-    wi = _unit(wo * [-1.0, -1.0, 1.0] + spread * rng.normal(size=(512, 3)))
+    wi = unit(wo * [-1.0, -1.0, 1.0] + spread * rng.normal(size=(512, 3)))
     wi[:, 2] = np.abs(wi[:, 2])
     return wi, wo
 
@@ -229,10 +230,6 @@ def _meridian(theta_i: FloatArray, theta_o: FloatArray) -> tuple[FloatArray, Flo
 def _turned(w: FloatArray, angle: FloatArray) -> FloatArray:
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([c * w[:, 0] - s * w[:, 1], s * w[:, 0] + c * w[:, 1], w[:, 2]], axis=1)
-
-
-def _unit(w: FloatArray) -> FloatArray:
-    return np.asarray(w / np.linalg.norm(w, axis=1, keepdims=True))
 
 
 def _triple(w: FloatArray) -> str:

@@ -19,7 +19,6 @@ surface's own neighbourhood would send: without it every hollow would lose energ
 
 from __future__ import annotations
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -27,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from shrm.arrays import BoolArray, Float32Array, FloatArray, Int32Array, RealArray
+from shrm.threads import thread_count
 
 _ABOVE = 2.0**-18
 _INWARD = 2.0**-20
@@ -121,7 +121,7 @@ class Occluders:
         starts = (self._beside[vertices] + _ABOVE * frames[:, :, 2]).astype(np.float32)
         step = max(1, _RAYS // len(d))
         parts = [slice(k, k + step) for k in range(0, len(starts), step)]
-        with ThreadPoolExecutor(_threads()) as pool:
+        with ThreadPoolExecutor(thread_count()) as pool:
             traced = list(pool.map(lambda part: self._trace(starts[part], R[part], d, hits), parts))
         visible = np.concatenate([part[0] for part in traced]) if traced else np.empty((0, len(d)), np.bool_)
         found = [part[1] for part in traced if part[1] is not None]
@@ -183,8 +183,3 @@ def _scene(place: Float32Array, faces: Int32Array) -> Any:
     TriangleMesh(scene, np.ascontiguousarray(place), faces)
     scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))  # the first call builds the tree
     return scene
-
-
-def _threads() -> int:
-    wanted = os.environ.get("OMP_NUM_THREADS", "")
-    return int(wanted) if wanted.isdecimal() and int(wanted) > 0 else len(os.sched_getaffinity(0))
