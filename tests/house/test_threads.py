@@ -120,9 +120,8 @@ def assert_same(other, results):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("threads", [2, 7])
-def test_results_do_not_depend_on_the_number_of_threads(one_thread, threads, tmp_path):
-    assert_same(run(tmp_path / "other.npz", OMP_NUM_THREADS=str(threads)), one_thread)
+def test_results_do_not_depend_on_the_number_of_threads(one_thread, tmp_path):
+    assert_same(run(tmp_path / "other.npz", OMP_NUM_THREADS="7"), one_thread)
 
 
 @pytest.mark.slow

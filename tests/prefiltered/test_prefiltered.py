@@ -2,6 +2,7 @@
 
 import pickle
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -28,15 +29,19 @@ N, V = oracles.random_views(400, seed=1)
 T = oracles.random_hairs(400, seed=2)[0]
 
 
-@pytest.fixture(scope="module")
+ENV = band_limited_environment(6, seed=3, H=32)
+"""Smooth: what is left to err are the maps, not the texels."""
+
+
+@pytest.fixture
 def env() -> Environment:
-    """Smooth: what is left to err are the maps, not the texels."""
-    return band_limited_environment(6, seed=3, H=32)
+    return ENV
 
 
-def of_kernel(env: Environment, lobe) -> np.ndarray:
+@cache
+def of_kernel(lobe) -> np.ndarray:
     """Brute force, under a lobe as it is."""
-    return integrate(env, brdf.Material((lobe,), "kernel"), N, V, T, subsamples=2)
+    return integrate(ENV, brdf.Material((lobe,), "kernel"), N, V, T, subsamples=2)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -46,7 +51,7 @@ def of_kernel(env: Environment, lobe) -> np.ndarray:
 def test_lobes_of_one_shape_are_exact(env, cls, material, method):
     found = cls.prefilter(env, material, method=method, tolerance=0.005, size=48)
     assert found.maps.shape == (1, 48, 96, 3)
-    assert oracles.relative_rms(found.radiance(N, V), of_kernel(env, *material.lobes)) < 0.01
+    assert oracles.relative_rms(found.radiance(N, V), of_kernel(*material.lobes)) < 0.01
 
 
 @pytest.mark.slow
@@ -54,10 +59,10 @@ def test_lobes_of_one_shape_are_exact(env, cls, material, method):
 @pytest.mark.parametrize("material", [brdf.GGX(0.3), brdf.Microfacet(0.3)], ids=lambda m: m.name)
 def test_three_dimensions_hold_the_symmetric_lobe(env, material, method):
     found = KautzMcCool3D.prefilter(env, material, method=method, tolerance=0.005, size=32)
-    expected = of_kernel(env, symmetric(*material.lobes))
+    expected = of_kernel(symmetric(*material.lobes))
     assert oracles.relative_rms(found.radiance(N, V), expected) < 0.01
     # which is not the lobe itself
-    assert 0.001 < oracles.relative_rms(expected, of_kernel(env, *material.lobes)) < 0.3
+    assert 0.001 < oracles.relative_rms(expected, of_kernel(*material.lobes)) < 0.3
 
 
 @pytest.mark.slow
@@ -71,7 +76,7 @@ def test_two_dimensions_hold_factored_lobes(env, lobes, method):
     expected = 0.0
     for part in factored(*material.lobes, lobes):
         factor = np.stack([np.interp(place, np.arange(VIEWS), column) for column in part.factor.T], axis=1)
-        expected = expected + factor * of_kernel(env, part.lobe)
+        expected = expected + factor * of_kernel(part.lobe)
     assert oracles.relative_rms(found.radiance(N, V), expected) < 0.01
 
 
@@ -80,7 +85,7 @@ def test_two_dimensions_hold_factored_lobes(env, lobes, method):
 @pytest.mark.parametrize("material", [brdf.Banks(0.5), brdf.KajiyaKay(12)], ids=lambda m: m.name)
 def test_anisotropic_maps_hold_lobes_about_the_tangent(env, material, method):
     found = Anisotropic.prefilter(env, material, method=method, tolerance=0.005, size=32)
-    assert oracles.relative_rms(found.radiance(N, V, T), of_kernel(env, *material.lobes)) < 0.01
+    assert oracles.relative_rms(found.radiance(N, V, T), of_kernel(*material.lobes)) < 0.01
     with pytest.raises(ValueError, match="needs tangents"):
         found.radiance(N, V)
 
