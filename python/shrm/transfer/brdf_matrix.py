@@ -34,6 +34,7 @@ from shrm.arrays import FloatArray
 from shrm.brdf import BRDF, Lobe, require_brdf
 from shrm.lobes.center import gamma_at, lobe_center
 from shrm.lobes.quadrature import columns, horizon_quadrature, light_and_view
+from shrm.transfer.described import Described
 from shrm.transfer.directional_basis import (
     MOST_ORDER,
     DirectionalBasis,
@@ -51,8 +52,8 @@ QUADRATURE_ERROR = 1e-4
 """The error of a row, over the RMS of rows, that is accepted of its quadrature."""
 
 
-@dataclass(frozen=True, eq=False)
-class BRDFMatrix:
+@dataclass(frozen=True, eq=False, repr=False)
+class BRDFMatrix(Described):
     """A material as a matrix from incident to outgoing radiance; made by `project`.
 
     Attributes

@@ -15,6 +15,7 @@ product 2 pi G1 (x) G1 of the tridiagonal Gram matrix of the tents of one dimens
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -32,6 +33,7 @@ MOST_ORDER = 32
 """The largest order m of spherical harmonics."""
 
 
+@dataclass(frozen=True)
 class DirectionalBasis:
     """M x M piecewise bilinear tents over the hemisphere about +z [LK03 section 4.3].
 
@@ -54,8 +56,10 @@ class DirectionalBasis:
     (121, 64)
     """
 
-    def __init__(self, M: int) -> None:
-        self.M = whole_number("M", M, 2, MOST_TENTS)
+    M: int
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "M", whole_number("M", self.M, 2, MOST_TENTS))
 
     @property
     def size(self) -> int:

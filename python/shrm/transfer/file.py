@@ -51,6 +51,7 @@ import numpy.typing as npt
 
 from shrm.arrays import Float32Array, Int32Array
 from shrm.files import PathLike, replacing
+from shrm.transfer.described import Described
 from shrm.transfer.quaternions import from_rotations, to_rotations
 from shrm.transfer.variant import Variant
 
@@ -80,12 +81,14 @@ class TransferFileError(ValueError):
     """A transfer file cannot be read or written; the text names the file and the fault in one line."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Saved:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Saved(Described):
     """What a file holds: the fields of `shrm.transfer.RadianceTransfer`, as they are read.
 
     What the arrays must be to fit each other is for that class to check.
     """
+
+    shown = ("vertices", "faces", "n", "M", "channels", "variants", "material")
 
     vertices: Float32Array
     faces: Int32Array

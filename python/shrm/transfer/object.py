@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from shrm.arrays import Float32Array, Int32Array, RealArray
 from shrm.files import PathLike
+from shrm.transfer.described import Described
 from shrm.transfer.directional_basis import DirectionalBasis
 from shrm.transfer.file import Saved, damaged, read, write
 from shrm.transfer.lighting import Compressed, Lighting, Tents
@@ -30,8 +31,8 @@ from shrm.validation import (
 )
 
 
-@dataclass(eq=False)
-class RadianceTransfer:
+@dataclass(eq=False, repr=False)
+class RadianceTransfer(Described):
     """An object with its precomputed transfer.
 
     Attributes
@@ -61,6 +62,8 @@ class RadianceTransfer:
     TypeError, ValueError
         If an argument is not as described, or they do not fit each other.
     """
+
+    shown = ("vertices", "faces", "n", "M", "channels", "variants", "material")
 
     vertices: Float32Array
     faces: Int32Array
@@ -98,6 +101,10 @@ class RadianceTransfer:
 
         self._coarser: dict[tuple[str, int], RealArray] = {}
         self._lit: tuple[tuple[str, int], Lighting] | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a pickle holds: the object without what was made of it to light it."""
+        return {**vars(self), "_coarser": {}, "_lit": None}
 
     def _fitting(self, name: str, variant: Variant) -> Variant:
         """Return the variant with clusters in int32; refuse it if its arrays do not fit."""

@@ -23,6 +23,7 @@ from shrm.brdf import BRDF
 from shrm.files import PathLike
 from shrm.transfer.compression.choice import principal_components
 from shrm.transfer.compression.components import PrincipalComponents
+from shrm.transfer.described import Described
 from shrm.transfer.lighting.surface import MOST_ORDER, MOST_TENTS
 from shrm.transfer.matrices.accuracy import Sample, chosen
 from shrm.transfer.matrices.materials import Materials
@@ -84,8 +85,8 @@ class MeshLike(Protocol):
         """(V, 3), zero where there is none."""
 
 
-@dataclass(eq=False, kw_only=True)
-class Precomputation:
+@dataclass(eq=False, repr=False, kw_only=True)
+class Precomputation(Described):
     """A request of `shrm.transfer.precompute`, whose parameters these are, and the stages that answer it.
 
     Attributes
@@ -104,6 +105,8 @@ class Precomputation:
     OSError
         If the folder for work cannot be made.
     """
+
+    shown = ("vertices", "faces", "materials", "order", "directions", "variants", "accuracy")
 
     mesh: MeshLike
     brdf: BRDF | Sequence[BRDF]

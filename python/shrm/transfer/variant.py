@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from shrm.arrays import Int32Array, RealArray
+from shrm.transfer.described import Described
 
 VARIANTS = ("unshadowed", "shadowed", "interreflected")
 """Nothing hides the light; the object does; and its parts send each other light as well."""
 
 
-@dataclass(frozen=True, eq=False)
-class Variant:
+@dataclass(frozen=True, eq=False, repr=False)
+class Variant(Described):
     """Transfer matrices of all vertices: components and weights, or the matrices themselves, or both.
 
     Attributes

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from shrm.arrays import FloatArray, Int32Array, RealArray
+from shrm.transfer.described import Described
 from shrm.transfer.directional_basis import gram_of_one_dimension
 from shrm.validation import whole_number
 
@@ -20,8 +21,8 @@ _VERTICES = 4096
 """Vertices that are taken together where arrays would be large."""
 
 
-@dataclass(frozen=True, eq=False)
-class PrincipalComponents:
+@dataclass(frozen=True, eq=False, repr=False)
+class PrincipalComponents(Described):
     """A_p ~ sum_k w_pk A_k [LK03 eq. 12], or with components for each cluster of vertices [SHHS03].
 
     Attributes

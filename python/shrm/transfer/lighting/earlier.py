@@ -53,6 +53,8 @@ class Diffuse(Lighting):
         If it is not that.
     """
 
+    shown = ("transfer",)
+
     def __init__(self, transfer: npt.ArrayLike) -> None:
         self.transfer = stored_array("transfer", transfer, ("V", "C", "n^2"))
         self.size, channels, terms = self.transfer.shape
@@ -101,6 +103,8 @@ class Projection(Lighting):
     TypeError, ValueError
         If an argument is not as described.
     """
+
+    shown = ("rows", "parabolic", "transfer")
 
     def __init__(
         self,
@@ -175,6 +179,8 @@ class Convolution(Lighting):
     TypeError, ValueError
         If an argument is not as described.
     """
+
+    shown = ("kernel", "axis", "transfer")
 
     def __init__(
         self,

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from shrm import _core
 from shrm.arrays import Float32Array, FloatArray, IntArray
+from shrm.transfer.described import Described
 from shrm.transfer.directional_basis import DirectionalBasis
 from shrm.validation import float32_array, require_array, require_rotations, unit_vectors
 
@@ -26,8 +27,8 @@ BLOCK = 1024
 """Vertices that are taken together where arrays would be large."""
 
 
-@dataclass(frozen=True)
-class Eye:
+@dataclass(frozen=True, eq=False, repr=False)
+class Eye(Described):
     """Where an object is seen from.
 
     Attributes
@@ -51,7 +52,7 @@ class Eye:
         return cls(float32_array("eye", eye, (3,)), False)
 
 
-class Lighting(ABC):
+class Lighting(Described, ABC):
     """A way to light the vertices of an object.
 
     Attributes
@@ -111,7 +112,7 @@ class Lighting(ABC):
         """Fill radiance (V, 3) for light (n^2, 3), both in C order."""
 
 
-class Surface:
+class Surface(Described):
     """Vertices with their frames.
 
     Parameters
@@ -126,11 +127,17 @@ class Surface:
         If an argument is not as described.
     """
 
+    shown = ("vertices", "frames")
+
     def __init__(self, vertices: npt.ArrayLike, frames: npt.ArrayLike) -> None:
         self.vertices = float32_array("vertices", vertices, ("V", 3), empty=False)
         self.frames = float32_array("frames", frames, (self.size, 3, 3))
         require_rotations("frames", self.frames, FRAME_TOLERANCE)
         self.core = _core.TransferSurface(vertices=self.vertices, frames=self.frames)
+
+    def __reduce__(self) -> tuple[type[Surface], tuple[object, ...]]:
+        """Return what makes it again: what the core has is no part of a pickle."""
+        return type(self), (self.vertices, self.frames)
 
     @property
     def size(self) -> int:

@@ -38,6 +38,8 @@ class Tents(Lighting):
         If an argument is not as described.
     """
 
+    shown = ("matrices",)
+
     def __init__(self, vertices: npt.ArrayLike, frames: npt.ArrayLike, matrices: npt.ArrayLike) -> None:
         self.surface = Surface(vertices, frames)
         self.matrices = stored_array("matrices", matrices, (self.surface.size, "M^2", "C", "n^2"))
@@ -99,6 +101,8 @@ class Compressed(Lighting):
         If an argument is not as described.
     """
 
+    shown = ("weights", "components", "clusters", "K")
+
     def __init__(
         self,
         vertices: npt.ArrayLike,
@@ -134,10 +138,22 @@ class Compressed(Lighting):
     def K(self, K: int) -> None:
         K = whole_number("K", K, 1, self.weights.shape[1])
         if K != self._K:
-            self._plan = _core.CompressedTransfer(
-                weights=self.weights, components=self.components, clusters=self.clusters, K=K
-            )
+            self._plan = self._planned(K)
             self._K = K
+
+    def _planned(self, K: int) -> _core.CompressedTransfer:
+        """Return what the core makes of the first K components."""
+        return _core.CompressedTransfer(
+            weights=self.weights, components=self.components, clusters=self.clusters, K=K
+        )
+
+    def __getstate__(self) -> dict[str, object]:
+        """Return what a pickle holds: all but what the core made."""
+        return {name: value for name, value in vars(self).items() if name != "_plan"}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        vars(self).update(state)
+        self._plan = self._planned(self._K)
 
     def _light(self, light: Float32Array, eye: Eye, radiance: Float32Array) -> None:
         self._plan.run(
@@ -192,6 +208,8 @@ class FixedLight(Lighting):
         If it is neither.
     """
 
+    shown = ("lighting",)
+
     def __init__(self, lighting: Tents | Compressed) -> None:
         require_instance("lighting", lighting, Tents, Compressed, what="Tents or Compressed")
         self.lighting, self.size, self.n = lighting, lighting.size, lighting.n
@@ -225,6 +243,8 @@ class FixedView(Lighting):
     TypeError
         If it is neither.
     """
+
+    shown = ("lighting",)
 
     def __init__(self, lighting: Tents | Compressed) -> None:
         require_instance("lighting", lighting, Tents, Compressed, what="Tents or Compressed")

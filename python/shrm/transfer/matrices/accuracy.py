@@ -16,6 +16,7 @@ import numpy as np
 from shrm import _core
 from shrm.arrays import BoolArray, Float32Array, FloatArray, RealArray
 from shrm.brdf import BRDF
+from shrm.transfer.described import Described
 from shrm.transfer.matrices.product import Product, Route, accumulate, harmonics, product, view_rows
 
 TENTS = (3, 5, 7, 9, 11, 13, 15, 17, 21, 25)
@@ -27,8 +28,8 @@ MARGIN = 1.0
 _VIEWS = 256
 
 
-@dataclass(frozen=True, eq=False)
-class Sample:
+@dataclass(frozen=True, eq=False, repr=False)
+class Sample(Described):
     """Some vertices and what hides the light there.
 
     Attributes

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf import BRDF
+from shrm.transfer.described import Described
 from shrm.transfer.matrices.product import Product
 from shrm.validation import real_array
 
@@ -17,8 +18,8 @@ MOST_SHARE = 1e6
 """The largest share; those of a blend sum to 1, others are as much brighter."""
 
 
-@dataclass(frozen=True, eq=False)
-class Materials:
+@dataclass(frozen=True, eq=False, repr=False)
+class Materials(Described):
     """Materials and their shares; made by `of`.
 
     Attributes

@@ -29,6 +29,7 @@ from shrm import _core, sh
 from shrm.arrays import BoolArray, Float32Array, FloatArray, RealArray
 from shrm.brdf import BRDF
 from shrm.transfer.brdf_matrix import Extension, project, project_on_tents, rows
+from shrm.transfer.described import Described
 from shrm.transfer.directional_basis import MOST_ORDER, DirectionalBasis, hemispherical_gram
 from shrm.transfer.tangent_frames import band_rotations
 from shrm.validation import one_of, whole_number
@@ -94,8 +95,8 @@ def published(n: int) -> Route:
     return Route(inner=n, m=8, extension="even", window_above=5)
 
 
-@dataclass(frozen=True, eq=False)
-class Product:
+@dataclass(frozen=True, eq=False, repr=False)
+class Product(Described):
     """What a material makes of light along local directions, in tents; made by `product`.
 
     Attributes

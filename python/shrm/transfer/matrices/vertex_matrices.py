@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import Float32Array, FloatArray, RealArray
+from shrm.transfer.described import Described
 from shrm.transfer.matrices.materials import Materials
 from shrm.transfer.matrices.product import Product, accumulate, harmonics, rotated
 from shrm.transfer.rays.bounces import incident
@@ -32,8 +33,8 @@ _VERTICES = 512
 """Vertices of a part where nothing hides the light."""
 
 
-@dataclass(frozen=True, eq=False)
-class Factors:
+@dataclass(frozen=True, eq=False, repr=False)
+class Factors(Described):
     """Matrices as they are kept: A_p = outer rows_p, or the rows themselves.
 
     Attributes
@@ -67,7 +68,7 @@ class Factors:
         ).reshape(shape)
 
 
-class Matrices:
+class Matrices(Described):
     """What light becomes at the vertices of a mesh.
 
     Parameters
@@ -83,6 +84,8 @@ class Matrices:
     folder : path
         Where results are kept.
     """
+
+    shown = ("frames", "materials", "channels", "n", "folder")
 
     def __init__(
         self,

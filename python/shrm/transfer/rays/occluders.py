@@ -27,6 +27,7 @@ import numpy as np
 
 from shrm.arrays import BoolArray, Float32Array, FloatArray, Int32Array, RealArray
 from shrm.threads import thread_count
+from shrm.transfer.described import Described
 
 _ABOVE = 2.0**-18
 _INWARD = 2.0**-20
@@ -35,8 +36,8 @@ _RAYS = 1 << 17
 """Rays that one thread traces at a time: what they take, some 10 MB, stays in the caches."""
 
 
-@dataclass(frozen=True, eq=False)
-class Hits:
+@dataclass(frozen=True, eq=False, repr=False)
+class Hits(Described):
     """Where blocked rays end, in the order of the False in `visible`, row by row.
 
     Attributes
@@ -55,7 +56,7 @@ class Hits:
         return len(self.face)
 
 
-class Occluders:
+class Occluders(Described):
     """The faces of a mesh, as what blocks the rays of its vertices.
 
     Faces without area block nothing. Vertices may coincide, or belong to no face: those are points that only
@@ -73,7 +74,10 @@ class Occluders:
         whole; without normals it is where its corners run counter-clockwise.
     """
 
+    shown = ("vertices", "faces")
+
     def __init__(self, vertices: FloatArray, faces: Int32Array, normals: FloatArray | None = None) -> None:
+        self.vertices, self.normals = vertices, normals
         self.faces = np.ascontiguousarray(faces, np.int32)
         place = _placed(vertices, self.faces)
         corners = place[self.faces]
@@ -86,6 +90,10 @@ class Occluders:
 
         self._beside = place + _INWARD * _inward(place, self.faces, corners)
         self._scene = _scene(place.astype(np.float32), self.faces)
+
+    def __reduce__(self) -> tuple[type[Occluders], tuple[object, ...]]:
+        """Return what makes it again: Embree's scene is no part of a pickle."""
+        return type(self), (self.vertices, self.faces, self.normals)
 
     def cast(
         self,

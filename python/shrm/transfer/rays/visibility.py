@@ -27,6 +27,7 @@ import numpy.typing as npt
 
 from shrm.arrays import BoolArray, FloatArray, Int32Array
 from shrm.files import write_bytes
+from shrm.transfer.described import Described
 from shrm.transfer.rays.occluders import Hits, Occluders
 from shrm.validation import whole_number
 
@@ -36,8 +37,8 @@ _STATE = "visibility.json"
 _PLACES = 65535
 
 
-@dataclass(frozen=True, eq=False)
-class Block:
+@dataclass(frozen=True, eq=False, repr=False)
+class Block(Described):
     """Vertices that follow each other, and what their rays meet.
 
     Attributes
@@ -71,7 +72,7 @@ class Block:
             yield Block(self.first + a, visible, hits)
 
 
-class Visibility:
+class Visibility(Described):
     """The visibility of a mesh's vertices, in a folder.
 
     A folder that holds it already, in whole or in part, is continued; one that holds that of something else
@@ -108,6 +109,8 @@ class Visibility:
     OSError
         If the folder cannot be made or read.
     """
+
+    shown = ("folder", "vertices", "faces", "hits", "blocks", "finished")
 
     def __init__(
         self,
