@@ -59,6 +59,9 @@ Layouts, materials, light and color
     [BBP14]    L. Belcour, P. Barla, R. Pacanowski. ALTA: A BRDF Analysis Library. Workshop on Material
                Appearance Modeling, 2014.
     [PH10]     M. Pharr, G. Humphreys. Physically Based Rendering, 2nd edition. Morgan Kaufmann, 2010.
+    [LFTG97]   E. Lafortune, S.-C. Foo, K. Torrance, D. Greenberg. Non-Linear Approximation of Reflectance
+               Functions. SIGGRAPH 1997.
+    [B94]      D. Banks. Illumination in Diverse Codimensions. SIGGRAPH 1994.
     [AS00]     M. Ashikhmin, P. Shirley. An Anisotropic Phong BRDF Model. Journal of Graphics Tools 5(2),
                2000.
     [H14]      E. Heitz. Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs. JCGT 3(2),

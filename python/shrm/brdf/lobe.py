@@ -51,7 +51,7 @@ class Scaled(Value):
     function : callable
         Arrays of n directions or angles to (n,) or (n, 3) float64.
     factor : float or three floats
-        What its values are multiplied by, at most 1e30 in all.
+        Factor of its values; at most 1e30 with the factors before it.
     """
 
     function: Callable[..., FloatArray]
@@ -87,7 +87,7 @@ class Lobe(ABC, Value):
     center : {"lobe", "reflection", "normal", "tangent"}
         The central direction C.
     kind : {"radial", "zonal", "isotropic", "anisotropic"}
-        What it depends on: theta_i alone, both angles from C, the azimuth between them too, or each
+        The angles it depends on: theta_i alone, both angles from C, the azimuth between them too, or each
         azimuth from the tangent.
     """
 
@@ -162,9 +162,8 @@ class ZonalLobe(Lobe):
     """A lobe symmetric about C for every view: rho_hat = profile(theta_i, theta_o).
 
     Only q = 0 remains of its coefficients [RH02 sec. 7.1, footnote 7]. About the tangent, whose lobes have
-    no normal: Kajiya-Kay, Banks. About the reflection: the approximation of isotropic BRDFs in
-    J. Kautz, M. McCool, Approximation of Glossy Reflection with Prefiltered Environment Maps, Graphics
-    Interface 2000. No horizon cuts them.
+    no normal: Kajiya-Kay, Banks. About the reflection: the approximation of isotropic BRDFs of [KM00]. No
+    horizon cuts them.
 
     Parameters
     ----------

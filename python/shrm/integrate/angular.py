@@ -4,8 +4,8 @@
 sum in float64 numpy, without a table, for whoever wants an answer to trust. Neither uses spherical harmonics.
 Both hold the environment constant over each texel.
 
-The method and its cost (eq. 10, against eq. 9 in frequency space): Ramamoorthi & Hanrahan, "Frequency Space
-Environment Map Rendering", ACM TOG 21(3), 2002 ([RH02]), sections 6 and 7.4, table 3, appendix D.
+The method and its cost (eq. 10, against eq. 9 in frequency space) are those of [RH02] sections 6 and 7.4,
+table 3 and appendix D.
 """
 
 from __future__ import annotations
@@ -31,10 +31,16 @@ from shrm.lobes.reflection import Layout, Reflection
 from shrm.validation import fraction, one_of, whole_number
 
 LARGEST_SUBSAMPLES = 16
+"""Most nodes along each side of a texel; beyond them texels are cut into smaller ones."""
+
 JUDGED_NODES, JUDGED_FRAMES = 1e9, (48, 512)
-"""How many nodes are visited to predict an error, about, and by how many frames at least and at most."""
+"""Nodes visited to predict an error, about, and the fewest and most frames that they are shared among."""
+
 LARGEST_CUT = 2048
-"""Columns of a picture whose texels are cut for narrow lobes."""
+"""Most columns of a picture whose texels are cut for narrow lobes: 25 MB of radiance."""
+
+_CHUNK = 16384
+"""Directions asked of a lobe at once by `integrate`: arrays of 400 kB."""
 
 
 # ---- The exact answer
@@ -49,7 +55,7 @@ def integrate(
     *,
     subsamples: int = 1,
 ) -> FloatArray:
-    """Reflected radiance as a sum over texels in float64, the BRDF itself evaluated at every one.
+    """Sum the reflected radiance over texels in float64, the BRDF itself evaluated at every one.
 
     Slow, some 1e7 texels per second, and simple enough to be read and believed.
 
@@ -77,19 +83,22 @@ def integrate(
     TypeError, ValueError
         If an argument is not as described.
     """
+    # Arguments
     pixels = pixels_of(env)
     lobes = lobes_of(brdf)
     anisotropic = any(lobe.kind == "anisotropic" for lobe in lobes)
     n, v, t = queries([lobe.center for lobe in lobes], normals, views, tangents, anisotropic=anisotropic)
     nodes, power = _nodes(pixels, whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES))
+
+    # Each lobe in the frame of each query, over the nodes of the light in chunks
     result = np.zeros((len(n), 3))
     for lobe in lobes:
         kind = lobe.kind
-        axes, seen_from = (t, v) if lobe.center == "tangent" else (n, v)
+        axes, eyes = (t, v) if lobe.center == "tangent" else (n, v)
         if kind in ("isotropic", "anisotropic"):
-            axes, seen_from = above_horizon(lobe.center, n, v)
-        for k, frame in enumerate(local_frames(axes, t if kind == "anisotropic" else seen_from)):
-            wo = np.tile(seen_from[k] @ frame, (_CHUNK, 1))
+            axes, eyes = above_horizon(lobe.center, n, v)
+        for k, frame in enumerate(local_frames(axes, t if kind == "anisotropic" else eyes)):
+            wo = np.tile(eyes[k] @ frame, (_CHUNK, 1))
             for start in range(0, len(nodes), _CHUNK):
                 wi = nodes[start : start + _CHUNK] @ frame
                 rho = lobe.transfer(wi, wo[: len(wi)])
@@ -99,11 +108,9 @@ def integrate(
     return result
 
 
-_CHUNK = 16384
-
-
 def _nodes(pixels: Float32Array, k: int) -> tuple[FloatArray, FloatArray]:
-    """Directions (H W k k, 3) and radiance times solid angle, of the texels that are not black."""
+    """Return directions (H W k k, 3) and radiance times solid angle, of the texels that are not black."""
+    # Gauss nodes in theta, with the solid angles of the rows exact, and in phi
     H, W, _ = pixels.shape
     x, w = np.polynomial.legendre.leggauss(k)
     theta = np.pi / H * (np.arange(H)[:, None] + (1 + x) / 2)
@@ -111,6 +118,8 @@ def _nodes(pixels: Float32Array, k: int) -> tuple[FloatArray, FloatArray]:
     edges = np.cos(np.pi / H * np.arange(H + 1))
     weight *= ((edges[:-1] - edges[1:]) * 2 * np.pi / W / weight.sum(axis=1))[:, None]
     phi = np.pi - 2 * np.pi / W * (np.arange(W)[:, None] + (1 + x) / 2)
+
+    # Their products in the texels that are not black
     i, j = np.nonzero(np.any(pixels != 0, axis=2))
     t, p = theta[i][:, :, None], phi[j][:, None, :]
     directions = np.stack(
@@ -166,12 +175,11 @@ def prefilter_angular(
         than a quarter of the narrowest lobe's width, at least 2, the texels themselves cut where 16 do not
         suffice; error about 1e-3 or less, or a warning.
     symmetry : bool
-        Whether work is shared where it is the same: for lat-long maps of radial lobes, the weights of the
-        texels are found once for each row of the map and slid along it; for lobes of the half angle, the half
-        vectors are found once for the pixels that have one view, where there are enough of them and the table
-        fits a cache. False finds angle and lobe anew for every
-        pair of a pixel and a texel, which is the prefiltering that [RH02] section 7.4 compares with. The
-        maps are the same.
+        Share work where it is the same: for lat-long maps of radial lobes, the weights of the texels are
+        found once for each row of the map and slid along it; for lobes of the half angle, the half vectors
+        are found once for the pixels that have one view, where there are enough of them and the table fits a
+        cache. False finds angle and lobe anew for every pair of a pixel and a texel, which is the
+        prefiltering that [RH02] section 7.4 compares with. The maps are the same.
 
     Returns
     -------
@@ -199,12 +207,12 @@ def prefilter_angular(
 
 
 CUTOFF_OF_TOLERANCE = 0.75
-"""Cutoff for a tolerance of 1: what cutting a fraction of a lobe's integral does to the maps of natural light
-is up to 1.3 times that fraction, relative RMS."""
+"""Cutoff per tolerance: cutting a fraction of a lobe's integral changes the maps of natural light by up to
+1.3 times that fraction, relative RMS."""
 
 
 def _cutoff(tolerance: float | None, cutoff: float | None) -> float:
-    """The fraction of lobes that is cut, of the two ways to say it."""
+    """Return the fraction of lobes that is cut, which may be given by a tolerance."""
     if tolerance is None:
         return fraction("cutoff", 0.0 if cutoff is None else cutoff)
     if cutoff is not None:
@@ -237,6 +245,7 @@ class AngularReflection(Reflection):
         symmetry: bool,
         cutoff: float,
     ) -> None:
+        # Nodes closer than a quarter of the narrowest lobe's width
         self._pixels = pixels
         H, W, _ = pixels.shape
         if subsamples is None:
@@ -254,10 +263,12 @@ class AngularReflection(Reflection):
                     f" {spacing / (cut * subsamples):.1g} rad between them",
                     stacklevel=3,
                 )
-        columns = np.arange(2 * W + _core.ANGULAR_LANES) % W
+
+        # Planes of power, their rows repeated so that any run of columns lies in one piece;
         # cos(i pi/H) - cos((i+1) pi/H) without cancellation, times 2 pi/W
         solid_angle = 4 * np.pi / W * np.sin(np.pi * (np.arange(H) + 0.5) / H) * np.sin(0.5 * np.pi / H)
         power = (pixels * solid_angle[:, None, None]).astype(np.float32)
+        columns = np.arange(2 * W + _core.ANGULAR_LANES) % W
         self._picture: dict[str, Any] = {
             "planes": np.ascontiguousarray(power.transpose(2, 0, 1)[:, :, columns]),
             "subsamples": subsamples,
@@ -290,16 +301,19 @@ class AngularReflection(Reflection):
         return max(float(np.hypot(self._cut_error(part), part.table_error)) for part in self._parts)
 
     def _cut_error(self, part: LobeIntegral) -> float:
-        """What the cut and the nodes of a lobe's integral do, relative RMS, at frames drawn at random."""
+        """Measure the error of the cut and the nodes of a lobe's integral, relative RMS, at random frames."""
         random = np.random.default_rng(2002)
         subsamples = min(2 * self.subsamples, LARGEST_SUBSAMPLES)
         nodes = self._picture["planes"].shape[1] * self._picture["planes"].shape[2] * subsamples**2
         C, weight = drawn_directions(self._pixels, int(np.clip(JUDGED_NODES / nodes, *JUDGED_FRAMES)), random)
-        # views as random frames have them, from any side
+
+        # Views as random frames have them, from any side
         azimuth, theta_o = 2 * np.pi * random.random(len(C)), part.theta_o(random.random(len(C)))
         local = [np.sin(theta_o) * np.cos(azimuth), np.sin(theta_o) * np.sin(azimuth), np.cos(theta_o)]
         v = np.einsum("nxk,kn->nx", local_frames(C, C), np.stack(local))
         n = np.ascontiguousarray(part.normals(C, v))
+
+        # Against the uncut lobe at twice the nodes
         exact = part.uncut().radiance({**self._picture, "subsamples": subsamples}, n, v, C).astype(np.float64)
         difference = part.radiance(self._picture, n, v, C) - exact
         energy = weight @ (exact**2).sum(axis=1)
@@ -327,7 +341,7 @@ class AngularReflection(Reflection):
     def radiance(
         self, normals: npt.ArrayLike, views: npt.ArrayLike, tangents: npt.ArrayLike | None = None
     ) -> Float32Array:
-        """Reflected radiance, each query integrated.
+        """Return the reflected radiance, each query integrated.
 
         Parameters
         ----------
@@ -355,7 +369,7 @@ class AngularReflection(Reflection):
             yield self._radial_map(k, part) if isinstance(part, RadialIntegral) else self._map(part, view)
 
     def _radial_map(self, k: int, part: RadialIntegral) -> Float32Array:
-        """The map of a radial lobe, the same for all views: computed once."""
+        """Return the map of a radial lobe, the same for all views: it is computed once."""
         if k not in self._radial_maps:
             C = self._directions
             if self.layout == "latlong":
@@ -366,6 +380,7 @@ class AngularReflection(Reflection):
         return self._radial_maps[k].copy()
 
     def _map(self, part: LobeIntegral, view: FloatArray) -> Float32Array:
+        """Integrate the map of any other lobe for a view."""
         C = np.ascontiguousarray(self._directions.reshape(-1, 3))
         views = np.ascontiguousarray(np.broadcast_to(view, C.shape))
         normals = part.normals(C, views)

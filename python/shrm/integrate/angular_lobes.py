@@ -22,7 +22,7 @@ from shrm.lobes.directions import above_horizon, across, bisector, central_direc
 from shrm.validation import one_of
 
 Picture = dict[str, Any]
-"""What the core takes of the light: the planes of its power, and the nodes along each side of a texel."""
+"""The light as arguments of the core: the planes of its power, and the nodes along each side of a texel."""
 
 
 class LobeIntegral(ABC):
@@ -56,11 +56,11 @@ class LobeIntegral(ABC):
 
     @abstractmethod
     def theta_o(self, cos2: FloatArray) -> FloatArray:
-        """Return angles between C and V for values that are uniform in [0, 1]: of frames drawn at random."""
+        """Return angles between C and V of frames drawn at random, for values uniform in [0, 1]."""
 
     @abstractmethod
     def uncut(self) -> LobeIntegral:
-        """Return the same lobe, nothing cut."""
+        """Return the same lobe, integrated without a cutoff."""
 
 
 def lobe_integral(lobe: Lobe, cutoff: float, center: Center | None, share: bool) -> LobeIntegral:
@@ -80,7 +80,7 @@ def lobe_integral(lobe: Lobe, cutoff: float, center: Center | None, share: bool)
 def share_visited(lobe: Lobe, tolerance: float) -> float:
     """Return the share of the sphere that is visited for all but a part of a lobe's integral.
 
-    For isotropic lobes at 45 degrees, for zonal ones the mean over views [RH02 appendix D].
+    For isotropic lobes that at a view of 45 degrees, for zonal ones the mean over views [RH02 appendix D].
     """
     if isinstance(lobe, RadialLobe):
         angle, within = integral_within(lobe.profile)
@@ -96,8 +96,8 @@ def share_visited(lobe: Lobe, tolerance: float) -> float:
 def half_width(lobe: Lobe) -> float:
     """Return an angle from the center within which half of a lobe is, radians.
 
-    Of a radial lobe's integral; of the square of an isotropic one, for the narrowest view; for zonal ones,
-    half the width of the narrowest ring that holds half of it.
+    For radial lobes, half of the integral; for isotropic ones, half of the integral of the square, at the
+    narrowest view; for zonal ones, half the width of the narrowest ring that holds half of the integral.
     """
     if isinstance(lobe, RadialLobe):
         angle, within = integral_within(lobe.profile)
@@ -230,11 +230,13 @@ class IsotropicIntegral(LobeIntegral):
     Attributes
     ----------
     center : {"lobe", "reflection", "normal"}
+        Direction that its maps are indexed by.
     gamma : (257,) float64
         The angle between C and N over theta_v, radians.
     table : HalfAngleTable or IsotropicTable
+        The lobe in the frame of its normal.
     share : bool
-        Whether queries of one view read their half vectors from one table.
+        True if queries of one view read their half vectors from one table.
     """
 
     center: Center
@@ -278,13 +280,15 @@ class IsotropicIntegral(LobeIntegral):
         """Return what the sum visits for normals and views (n, 3): caps about axes (n, 3), of angles (n,)."""
         n, v = above_horizon(self.center, n, v)
         x, theta_v = across(n, v)
-        # between the caps of the two nodes that a view lies between
+
+        # The cap of a view: between those of the two nodes that it lies between
         place = lobe_tables.view_place(np.cos(theta_v))
         low = np.minimum(place.astype(int), len(self.table.caps) - 2)
         center, outer = self.table.caps.T
         offset = center[low] + (place - low) * (center[low + 1] - center[low])
         widest = np.maximum(outer[low], outer[low + 1])
-        # a wide one is the hemisphere
+
+        # A wide cap is the hemisphere.
         axes = np.cos(offset)[:, None] * n - np.sin(offset)[:, None] * x
         hemisphere = widest >= np.pi / 2
         return np.where(hemisphere[:, None], n, axes), np.where(hemisphere, np.pi / 2, widest)

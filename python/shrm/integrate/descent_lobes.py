@@ -1,8 +1,8 @@
-"""One lobe ready for hierarchical prefiltering: its table, and where it must be looked for.
+"""One lobe ready for hierarchical prefiltering: its table, and the cap in which nodes are always split.
 
-The difference of a lobe between a node and its children says how far to descend [KVHS00 section 5.1], but for
-lobes so narrow that no sample meets them: near where most of a lobe lies nodes are split until they are small
-against it. The tables are those of direct integration.
+The difference of a lobe between a node and its children tells how far to descend [KVHS00 section 5.1], except
+for lobes so narrow that no sample meets them: in the cap where most of a lobe lies, nodes are split until
+they are small against it. The tables are those of direct integration.
 """
 
 from __future__ import annotations
@@ -27,22 +27,25 @@ from shrm.lobes.split import SplitFunction
 from shrm.validation import one_of
 
 LARGEST_OUTSIDE = 0.05
-"""Part of a lobe's integral that may lie outside the cap where nodes are always split until they are small.
+"""Largest fraction of a lobe's integral outside the cap in which nodes are always split until they are small.
 
-Outside, a node is split only if the lobe differs between it and its parent, so the cap must hold what samples
-could miss. For lower thresholds less is left outside.
+Outside, a node is split only if the lobe differs between it and its parent, so the cap must hold all that
+samples could miss. Thresholds below this one leave less outside.
 """
-RADIAL_NODE = 4.0
-"""Largest node inside that cap, in angles that hold half of a radial lobe; smaller, by the root of the
-threshold, where a threshold is below LARGEST_OUTSIDE."""
-ISOTROPIC_NODE = 8.0
-"""The same in angles that hold half of the square of an isotropic lobe, for its narrowest view."""
-ZONAL_NODE = 8.0
-"""The same in half widths of a zonal lobe's ring about C, which nodes meet somewhere along it."""
 
+RADIAL_NODE = 4.0
+"""Largest node in that cap, in units of the angle that holds half of a radial lobe; smaller, by the root of
+the threshold, for thresholds below LARGEST_OUTSIDE."""
+
+ISOTROPIC_NODE = 8.0
+"""Largest node in the cap of an isotropic lobe, in units of the angle that holds half of its square at its
+narrowest view."""
+
+ZONAL_NODE = 8.0
+"""Largest node in the band of a zonal lobe, in half widths of its ring, which nodes meet somewhere along."""
 
 LEAST_SEGMENTS, LARGEST_SHIFT = 32, 22
-"""Bounds on the tables of profiles, as the core has them."""
+"""Fewest segments of a profile's table, and most bits of its shift, that the core takes."""
 
 
 class LobeDescent(Protocol):
@@ -53,9 +56,9 @@ class LobeDescent(Protocol):
     center : {"lobe", "reflection", "normal", "tangent"}
         Direction that its maps are indexed by.
     depends_on_view : bool
-        Whether its maps differ from view to view.
+        True if its maps differ from view to view.
     table_error : float
-        Relative root mean square error of its table; 0 where nothing says it, as of cores.
+        Relative root mean square error of its table; 0 where it is not measured, as for cores.
     """
 
     @property
@@ -70,13 +73,13 @@ class LobeDescent(Protocol):
     def radiance(
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
     ) -> tuple[Float32Array, float]:
-        """Reflected radiance (n, 3) for normals, views and tangents (n, 3), and evaluations for each."""
+        """Return radiance (n, 3) for normals, views and tangents (n, 3), and evaluations for each."""
 
     def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
-        """Normals (n, 3) whose centers, seen from v, are `centers`; a tangent lobe has none to find."""
+        """Return normals (n, 3) whose centers, seen from v, are `centers`; any about the tangent."""
 
     def theta_o(self, cos2: FloatArray) -> FloatArray:
-        """Angles between C and V for cos^2(theta_v), (n,): if that is uniform, so are frames."""
+        """Return angles between C and V for cos^2(theta_v), (n,): if that is uniform, so are frames."""
 
 
 def lobe_descent(lobe: Lobe) -> LobeDescent:
@@ -96,8 +99,9 @@ class RadialDescent:
     Attributes
     ----------
     center : {"reflection", "normal"}
+        Direction that its maps are indexed by.
     values, shift, scale, support, integral, width
-        Of its `RadialTable`.
+        The attributes of its `RadialTable`.
     within : (1025, 2) float64
         Angles, and the part of the integral within each, from 1 - LARGEST_OUTSIDE to 1.
     """
@@ -119,9 +123,9 @@ class RadialDescent:
         one_of("center of a radial lobe", center, ("reflection", "normal"))
         table = radial_table(profile, LARGEST_OUTSIDE)
         angle, within = integral_within(profile)
-        # dense where little is left
+        # Angles within which all but a part lies; parts are dense where little is left outside.
         left_out = LARGEST_OUTSIDE * (np.arange(1025)[::-1] / 1024) ** 4
-        found = np.stack([np.interp(1 - left_out, within, angle), 1 - left_out], axis=1)
+        outer = np.stack([np.interp(1 - left_out, within, angle), 1 - left_out], axis=1)
         return cls(
             center,
             table.values,
@@ -130,7 +134,7 @@ class RadialDescent:
             table.support,
             table.integral,
             table.width,
-            found,
+            outer,
             table_error=table.error,
         )
 
@@ -144,7 +148,7 @@ class RadialDescent:
 
     @classmethod
     def from_arrays(cls, center: Center, arrays: NamedArrays) -> RadialDescent:
-        """Make it again of what `to_arrays` returned.
+        """Restore it from what `to_arrays` returned.
 
         Raises
         ------
@@ -158,6 +162,7 @@ class RadialDescent:
         within = table(arrays, "within", (None, 2))
         if len(within) < 2:
             raise ValueError(f"within of shape {within.shape}")
+
         names = ("shift", "scale", "support", "integral", "width")
         shift, scale, support, integral, width = (number(arrays, name) for name in names)
         if not (
@@ -170,7 +175,7 @@ class RadialDescent:
     def radiance(
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
     ) -> tuple[Float32Array, float]:
-        """Reflected radiance; see `LobeDescent`."""
+        """Return reflected radiance; see `LobeDescent`."""
         left_out = min(LARGEST_OUTSIDE, max(threshold, 1e-6))
         return _core.hierarchical_radial(
             pyramid=pyramid,
@@ -184,11 +189,11 @@ class RadialDescent:
         )
 
     def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
-        """Normals of centers; see `LobeDescent`."""
+        """Return normals of centers; see `LobeDescent`."""
         return centers if self.center == "normal" else bisector(centers, v)
 
     def theta_o(self, cos2: FloatArray) -> FloatArray:
-        """Angles of views, on which nothing depends; see `LobeDescent`."""
+        """Return angles of views, on which nothing depends; see `LobeDescent`."""
         return np.asarray(np.arccos(np.sqrt(cos2)))
 
 
@@ -211,7 +216,7 @@ class ZonalDescent:
     def radiance(
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
     ) -> tuple[Float32Array, float]:
-        """Reflected radiance; see `LobeDescent`."""
+        """Return reflected radiance; see `LobeDescent`."""
         axes = central_directions(self.center, n, v, t)
         return _core.hierarchical_zonal(
             pyramid=pyramid,
@@ -222,11 +227,11 @@ class ZonalDescent:
         )
 
     def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
-        """Normals of centers; see `LobeDescent`."""
+        """Return normals of centers; see `LobeDescent`."""
         return bisector(centers, v) if self.center == "reflection" else centers
 
     def theta_o(self, cos2: FloatArray) -> FloatArray:
-        """Angles of views; see `LobeDescent`. About the tangent they are uniform on the sphere."""
+        """Return angles of views; see `LobeDescent`. About the tangent they are uniform on the sphere."""
         if self.center == "normal":
             return np.asarray(np.arccos(np.sqrt(cos2)))
         return np.asarray(np.arccos(2 * cos2 - 1))
@@ -239,19 +244,21 @@ class IsotropicDescent:
     Attributes
     ----------
     center : {"lobe", "reflection", "normal"}
+        Direction that its maps are indexed by.
     gamma : (257,) float64
         The angle between C and N over theta_v, radians.
     width : float
-        Angle that holds half of the square, for the narrowest view: where light at the horizon has most of
-        the integral, the highlight is narrower.
+        Angle that holds half of the square at the narrowest view, radians: where light at the horizon has
+        most of the integral, the highlight is narrower.
     envelope : (1 or channels, intervals + 2) float32
-    ratio
-        Of its `lobe_tables.IsotropicTable`, or of the lobe it is part of, see `lobe_tables.channel_tables`.
+        Envelope of its `lobe_tables.IsotropicTable`; of a core, that of its lobe's `channel_tables`.
+    ratio : (views, channels, lights + 2, azimuths + 2) float32
+        The ratio that belongs to the envelope.
     caps, integral
-        Of its `lobe_tables.IsotropicTable`.
+        The attributes of its `lobe_tables.IsotropicTable`.
     above, below : float
-        Heights between which the lobe is, of the tabulated one (`shrm.lobes.split`): its core at the first,
-        then the smooth part of that at the second. Whole lobes are between 0 and infinity.
+        Heights, per steradian, between which it is a part of the tabulated lobe (`shrm.lobes.split`): the
+        core at the first, then the smooth part of that at the second. Whole lobes are between 0 and infinity.
     """
 
     depends_on_view: ClassVar[bool] = True
@@ -285,9 +292,11 @@ class IsotropicDescent:
         Where a split lobe goes over from one part to the other, its ratio to the mean at a half angle
         changes with the view within the highlight, where tables of the ratio have few nodes.
         """
+        # The split or the two splits that made it
         core, below = cast(SplitFunction, lobe.function), float("inf")
         if core.part == "smooth":
             core, below = cast(SplitFunction, core.whole), core.height
+
         envelope, ratio = lobe_tables.channel_tables(core.whole)
         caps, integral = lobe_tables.caps_and_integral(lobe.transfer, LARGEST_OUTSIDE)
         gamma, width = gamma_table(lobe.center, lobe.function), lobe_center(lobe.function)[1]
@@ -304,17 +313,17 @@ class IsotropicDescent:
 
     @classmethod
     def from_arrays(cls, center: Center, arrays: NamedArrays) -> IsotropicDescent:
-        """Make it again of what `to_arrays` returned.
+        """Restore it from what `to_arrays` returned.
 
         Raises
         ------
         KeyError, ValueError
             If an array is missing, or none that the core could use.
         """
+        # Tables; the rows of the ratio run over views, channels and lights.
         envelope = table(arrays, "envelope", (None, None)).astype(np.float32)
         rows = table(arrays, "ratio", (None, None)).astype(np.float32)
         caps = table(arrays, "caps", (None, 2))
-        # The rows of the ratio run over views, channels and lights.
         views, lights, azimuths = len(caps), lobe_tables.LIGHT_INTERVALS + 2, rows.shape[1]
         channels = len(rows) // max(views * lights, 1)
         if channels not in (1, 3) or len(rows) != channels * views * lights or views < 2 or azimuths < 3:
@@ -322,6 +331,8 @@ class IsotropicDescent:
         if len(envelope) not in (1, channels) or envelope.shape[1] < 3:
             raise ValueError(f"envelope of shape {envelope.shape}")
         ratio = np.ascontiguousarray(rows.reshape(views, -1, lights, azimuths))
+
+        # Numbers, and the angles to the center
         width, integral, above, below = (
             number(arrays, name) for name in ("width", "integral", "above", "below")
         )
@@ -333,7 +344,7 @@ class IsotropicDescent:
     def radiance(
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
     ) -> tuple[Float32Array, float]:
-        """Reflected radiance; see `LobeDescent`."""
+        """Return reflected radiance; see `LobeDescent`."""
         n, v = above_horizon(self.center, n, v)
         return _core.hierarchical_isotropic(
             pyramid=pyramid,
@@ -348,17 +359,17 @@ class IsotropicDescent:
         )
 
     def normals(self, centers: FloatArray, v: FloatArray) -> FloatArray:
-        """Normals of centers; see `LobeDescent`."""
+        """Return normals of centers; see `LobeDescent`."""
         return normals_at(self.center, self.gamma, centers, v)
 
     def theta_o(self, cos2: FloatArray) -> FloatArray:
-        """Angles of views; see `LobeDescent`."""
+        """Return angles of views; see `LobeDescent`."""
         theta_v = np.arccos(np.sqrt(cos2))
         return np.asarray(theta_v + gamma_at(self.gamma, theta_v))
 
 
 def _depth(threshold: float, integral: float, finest: float) -> dict[str, Any]:
-    """How far to descend, as the core takes it."""
+    """Return the core's arguments that tell how far to descend; `finest` is the largest node, radians."""
     return {
         "threshold": threshold,
         "integral": integral,

@@ -44,13 +44,14 @@ def prefilter_hierarchical(
     brdf : BRDF
         The material. Lobes of one shape, such as Phong's, cost least.
     tolerance : float, optional
-        Relative RMS error asked for, against the sum over all texels, in (0, 1); default .01. It is one over
-        the maps of all views together: where most of what is reflected is at grazing views or from light at
-        the horizon (microfacets of f0 = 0), a single map, or all, may have several times as much. The
+        Relative RMS error asked for, against the sum over all texels, in (0, 1); default .01. It is taken
+        over the maps of all views together: where most of the reflected light is at grazing views or comes
+        from the horizon (microfacets of f0 = 0), a single map, or all, may have several times as much. The
         threshold is found from some blocks of texels of maps of random views.
     threshold : float, optional
-        In its place: by how much the light of a node may change, its brightness times the difference of the
-        lobe between it and its parent, in parts of the mean reflected light. 0 visits every texel.
+        Given in place of a tolerance: by how much the light of a node may change, its brightness times the
+        difference of the lobe between it and its parent, relative to the mean reflected light. 0 visits every
+        texel.
     size : int, optional
         Rows of the maps for "latlong" (default 128), or the edge of a face for "cube" (default 64).
     layout : {"latlong", "cube"}
@@ -68,6 +69,8 @@ def prefilter_hierarchical(
     pixels = pixels_of(env)
     one_of("layout", layout, DEFAULT_SIZE)
     edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
+
+    # Either a tolerance or a threshold
     if tolerance is not None and threshold is not None:
         raise ValueError("tolerance and threshold are two ways to say one thing: give one of them")
     if threshold is None:
@@ -76,6 +79,7 @@ def prefilter_hierarchical(
             raise ValueError(f"tolerance must be above 0 and below 1, got {tolerance!r}")
     else:
         threshold = number("threshold", threshold, 0.0)
+
     lobes = [lobe_descent(lobe) for lobe in lobes_of(brdf)]
     if not lobes:
         raise ValueError("brdf has no lobes, but needs at least one")
@@ -90,9 +94,9 @@ class HierarchicalReflection(Reflection):
     Attributes
     ----------
     threshold : tuple of float
-        For each lobe.
+        Threshold of each lobe.
     evaluations : float
-        Of a lobe for each target, in the last call.
+        Evaluations of the lobes for each target, in the last call.
     """
 
     def __init__(
@@ -184,7 +188,7 @@ class HierarchicalReflection(Reflection):
     def radiance(
         self, normals: npt.ArrayLike, views: npt.ArrayLike, tangents: npt.ArrayLike | None = None
     ) -> Float32Array:
-        """Return the reflected radiance, each query integrated; neighbours in space had best be neighbours.
+        """Return the reflected radiance, each query integrated.
 
         Parameters
         ----------
@@ -217,6 +221,7 @@ class HierarchicalReflection(Reflection):
             yield pixels.reshape(self._shape)
 
     def _reflected(self, lobe: LobeDescent, frames: Frames, threshold: float) -> Float32Array:
-        found, evaluations = lobe.radiance(self._pyramid, *frames, threshold)
+        """Return the radiance of one lobe at frames, and count its evaluations."""
+        radiance, evaluations = lobe.radiance(self._pyramid, *frames, threshold)
         self.evaluations += evaluations
-        return found
+        return radiance

@@ -1,4 +1,4 @@
-"""What all integrators take: the light's picture, directions of queries, and grids of maps."""
+"""Arguments of all integrators: the light's picture, directions of queries, and grids of maps."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from shrm.lobes.reflection import Layout
 from shrm.validation import unit_vectors
 
 DEFAULT_SIZE: dict[Layout, int] = {"latlong": 128, "cube": 64}
-"""Rows of a lat-long map, and of a cube's face, unless asked for."""
+"""Rows of a lat-long map, and of a cube's face, by default."""
 
 
 def map_directions(layout: Layout, size: int) -> FloatArray:
@@ -61,12 +61,15 @@ def queries(
     Parameters
     ----------
     centers : sequence of {"lobe", "reflection", "normal", "tangent"}
-        Those of the lobes.
+        Centers of the lobes.
     normals : (n, 3) array_like
+        Unit vectors.
     views : (n, 3) or (3,) array_like
+        Unit vectors to the eye; one for all normals if the viewer is distant.
     tangents : (n, 3) array_like, optional
+        Unit vectors.
     anisotropic : bool
-        Whether a lobe depends on the tangent though it is not about it.
+        True if a lobe depends on the tangent though it is not about it.
 
     Returns
     -------
@@ -83,6 +86,6 @@ def queries(
         return n, v, unit_vectors("tangents", tangents, len(n))
     if anisotropic or "tangent" in centers:
         raise ValueError(
-            "tangents are None, but a lobe about the tangent needs them, as does an anisotropic one: (n, 3)"
+            "tangents must have the shape (n, 3) for a lobe about the tangent or an anisotropic one, got None"
         )
     return n, v, n

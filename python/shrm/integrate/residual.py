@@ -1,12 +1,11 @@
-"""What reflection maps of small orders miss: the cores of sharp lobes, integrated or looked up.
+"""The residual that reflection maps of small orders miss: the cores of sharp lobes, integrated or looked up.
 
 A core (`shrm.lobes.split`) as wide as the texels of the light is integrated by descent in a pyramid of them
 (`shrm.integrate.hierarchical`). The texels are areas of one radiance: they are cut for narrower cores, as
-far as
-`LARGEST_CUT`. What is too narrow even then is split off once more and looked up, as a mirror: the light in
-the direction of the lobe's center times the directional albedo.
+far as `LARGEST_CUT`. What is too narrow even then is split off once more and looked up, as in a mirror: the
+light in the direction of the lobe's center times the directional albedo.
 
-Everything here is arrays, so that it can be stored with the maps and used without the material.
+All is kept in arrays, so that it can be stored with the maps and used without the material.
 """
 
 from __future__ import annotations
@@ -39,11 +38,14 @@ from shrm.validation import unit_vectors
 CoreLobe = IsotropicLobe | RadialLobe
 
 LARGEST_CUT = 2048
-"""Columns of a picture whose texels are cut for narrow cores."""
+"""Most columns of a picture whose texels are cut for narrow cores: 25 MB, and its pyramid."""
+
 CUT_TO, RESOLVED = 2.0, 1.0
-"""How many texels, which count as points, the angle that holds half of a core is to hold, and must hold."""
+"""Texels, which count as points, in the angle that holds half of a core: as many as texels are cut for, and
+as many as there must be for it to be integrated."""
+
 THRESHOLDS = (0.05, 0.0125, 0.003)
-"""Of the descent, tried in turn. The first already has nodes small against the lobe."""
+"""Thresholds of the descent, tried in turn. The first already has nodes small against the lobe."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,10 +55,11 @@ class LookUp:
     Attributes
     ----------
     center : {"lobe", "reflection", "normal"}
+        Direction in which the light is looked up.
     gamma : (257,) float64
         The angle between the mirrored direction and N over theta_v in [0, pi/2], radians.
     albedo : (97, channels) float64
-        At the views of `lobe_tables.view_nodes`.
+        Directional albedo at the views of `lobe_tables.view_nodes`.
     """
 
     center: Center
@@ -82,14 +85,14 @@ class LookUp:
 
     @classmethod
     def from_arrays(cls, center: Center, arrays: NamedArrays) -> LookUp:
-        """Make it again of what `to_arrays` returned; KeyError or ValueError if that is damaged."""
+        """Restore it from what `to_arrays` returned; KeyError or ValueError if that is damaged."""
         albedo = table(arrays, "albedo", (len(view_nodes()), None))
         if albedo.shape[1] not in (1, 3):
             raise ValueError(f"albedo of shape {albedo.shape}")
         return cls(center, angles(arrays, "mirror"), albedo)
 
     def radiance(self, pixels: Float32Array, n: FloatArray, v: FloatArray) -> FloatArray:
-        """Reflected radiance (n, 3); light is linear between the texels of a picture (H, W, 3)."""
+        """Return reflected radiance (n, 3); light is linear between the texels of a picture (H, W, 3)."""
         n, v = above_horizon(self.center, n, v)
         x, theta_v = across(n, v)
         gamma = gamma_at(self.gamma, theta_v)[:, None]
@@ -105,12 +108,13 @@ class Core:
     Attributes
     ----------
     center, gamma
-        Of the map it belongs to, which its own maps are indexed like.
+        Center of the map it belongs to, by which its own maps are indexed too, and the angle of that from N.
     descent : IsotropicDescent or RadialDescent
+        The part of the core that the texels resolve.
     threshold : float
-        Of the descent.
+        Threshold of the descent.
     look_up : LookUp or None
-        What is narrower than the texels.
+        The part that is narrower than the texels.
     """
 
     center: Center
@@ -131,15 +135,16 @@ class Core:
 
     @classmethod
     def from_arrays(cls, center: Center, gamma: FloatArray, own_center: Center, arrays: NamedArrays) -> Core:
-        """Make it again of what `to_arrays` returned.
+        """Restore it from what `to_arrays` returned.
 
         Parameters
         ----------
         center, gamma
-            Of the map it belongs to.
+            Center of the map it belongs to, and the angle of that from N.
         own_center : {"lobe", "reflection", "normal"}
-            That of its descent.
+            Center of its descent.
         arrays : {name: array}
+            Its arrays.
 
         Raises
         ------
@@ -189,8 +194,9 @@ class Residual:
     Attributes
     ----------
     light : Light
+        The light.
     cores : tuple of (str, Core)
-        With the names that `shrm.ReflectionMap.maps_at_view` has for the maps they belong to.
+        The cores with the names that `shrm.ReflectionMap.maps_at_view` has for the maps they belong to.
     layout : {"latlong", "cube"}
         The grid of maps.
     size : int
@@ -278,9 +284,11 @@ class Residual:
 
 
 def _core_radiance(light: Light, core: Core, n: FloatArray, v: FloatArray) -> Float32Array:
-    """What a core reflects in the frame of the light, (n, 3)."""
-    order = _neighbours(2 * np.einsum("nc,nc->n", n, v)[:, None] * n - v)
+    """Return what a core reflects, (n, 3), for directions in the frame of the light."""
+    # Queries whose reflections are neighbors descend together.
+    order = _neighbors(2 * np.einsum("nc,nc->n", n, v)[:, None] * n - v)
     n, v = np.ascontiguousarray(n[order]), np.ascontiguousarray(v[order])
+
     radiance = np.empty(n.shape, np.float32)
     radiance[order] = core.descent.radiance(light.pyramid, n, v, n, core.threshold)[0]
     if core.look_up is not None:
@@ -302,17 +310,18 @@ def residual_for(
     pixels : (H, W, 3) float32
         The light.
     cores : sequence of (name, lobe, center, gamma)
-        Of the map that it belongs to the name, the center and gamma.
+        Lobes, with the name, the center and gamma of the map that each belongs to.
     layout, size
-        Of maps.
+        Grid and size of the maps.
     allowed : float
-        The mean square error wanted of all together, over frames of every orientation and cos^2(theta_v)
-        uniform, channels summed.
+        The mean square error that is allowed to all together, over frames of every orientation and
+        cos^2(theta_v) uniform, channels summed.
 
     Returns
     -------
     Residual, and the mean square error, measured at a sample of frames.
     """
+    # Texels, cut for the narrowest core
     H, W, _ = pixels.shape
     texel = max(np.pi / H, 2 * np.pi / W)
     narrowest = min(half_width(lobe) for _, lobe, _, _ in cores)
@@ -321,11 +330,12 @@ def residual_for(
     chosen: list[tuple[str, Core]] = []
     error = 0.0
     for name, lobe, center, gamma in cores:
-        # a core of what the texels resolve, and a mirror for the rest
+        # The part that the texels resolve, and a mirror for what is narrower
         resolved, narrow = _at_width(lobe, RESOLVED * texel / cut)
         descent = _descent(resolved)
         look_up = None if narrow is None else LookUp.of(narrow)
-        # the first threshold that does, or the last that helps
+
+        # The first threshold that suffices, or the last that helps
         frames = Frames.of(pixels, lobe)
         tried: list[tuple[float, Core]] = []
         for threshold in THRESHOLDS:
@@ -341,6 +351,7 @@ def residual_for(
 
 
 def _descent(lobe: CoreLobe) -> IsotropicDescent | RadialDescent:
+    """Tabulate a core for descent."""
     if isinstance(lobe, IsotropicLobe):
         return IsotropicDescent.of_core(lobe)
     return RadialDescent.of(lobe.center, lobe.profile)
@@ -360,8 +371,11 @@ def _at_width(lobe: CoreLobe, width: float) -> tuple[CoreLobe, CoreLobe | None]:
     return split(lobe, float(np.exp(low)))
 
 
-def _neighbours(directions: FloatArray) -> npt.NDArray[np.intp]:
-    """An order in which neighbours in direction are neighbours: a descent is shared by some."""
+def _neighbors(directions: FloatArray) -> npt.NDArray[np.intp]:
+    """Return an order of directions (n, 3) in which neighbors on the sphere follow each other.
+
+    It runs to and fro along bands of equal z.
+    """
     side = int(np.clip(np.sqrt(len(directions) / _core.HIERARCHICAL_BLOCK), 1, 512))
     band = np.clip((0.5 * (1 + directions[:, 2]) * side).astype(int), 0, side - 1)
     turn = (np.arctan2(directions[:, 1], directions[:, 0]) / (2 * np.pi) + 0.5) * side

@@ -19,7 +19,7 @@ NamedArrays = Mapping[str, npt.NDArray[Any]]
 Parts = Mapping[str, image_io.Part]
 
 SMALLEST = 1e-30
-"""Heights and scales are above it, and all values of tables below its inverse: their squares are floats."""
+"""Bound below heights and scales, whose inverse bounds the values of tables: their squares are floats."""
 
 
 def number(arrays: NamedArrays, name: str) -> float:
@@ -53,7 +53,7 @@ def table(arrays: NamedArrays, name: str, shape: tuple[int | None, int | None]) 
 
 
 LARGEST_ANGLE = 3.2
-"""Radians: above pi, as rounding may have it, and below what no angle of a table is."""
+"""Largest angle of a table, radians: pi with room for rounding."""
 
 
 def angle_pairs(arrays: NamedArrays, name: str, rows: int | None) -> FloatArray:

@@ -20,17 +20,22 @@ from shrm.lobes.directions import local_frames
 from shrm.lobes.reflection import Layout
 
 SAMPLED_BLOCKS, SAMPLED_RADIAL = 64, 256
-"""How many blocks are sampled: of the maps of a lobe that changes with the view, and of one that does not."""
+"""Blocks sampled from the maps of a lobe that changes with the view, and of one that does not."""
+
 EXACT_PART = 1e-2
-"""The threshold of what counts as exact, in parts of the tolerance, or of the threshold that is judged."""
+"""Threshold of maps that count as exact, relative to the tolerance, or to the threshold that is judged."""
+
 FINE_THRESHOLD = 1e-3
-"""Where its maps differ from those of the coarse threshold, LARGEST_OUTSIDE, blocks are likely drawn."""
+"""Threshold whose maps, compared with those of LARGEST_OUTSIDE, tell in which blocks errors are likely."""
+
 LARGEST_THRESHOLD, SMALLEST_THRESHOLD = 10.0, 1e-9
-"""Between which a threshold is searched, in parts of the mean reflected light."""
+"""Bounds of the search for a threshold, relative to the mean reflected light."""
+
 FEWEST_ROWS, MOST_ROWS = 64, 256
-"""Rows of the sampled maps."""
+"""Bounds on the rows of the sampled maps, whatever the size asked for."""
+
 SAMPLED_SHARE = 0.8
-"""The part of a tolerance that the error of the sample may take: a sample may miss some of the error."""
+"""Fraction of a tolerance that the error of the sample may take: a sample may miss some of the error."""
 
 Frames = tuple[FloatArray, FloatArray, FloatArray]
 """Normals, views and tangents, each (n, 3)."""
@@ -43,12 +48,16 @@ class DescentSample:
     Attributes
     ----------
     lobe : LobeDescent
+        The lobe.
     pyramid : Pyramid
         The light.
     frames : Frames
+        Normals, views and tangents of the texels drawn.
     weight : (n,) float64
-        By which a sum of squares over the frames is that over the maps, relative to the light they reflect.
+        Weights that make a sum of squares over the frames that over the maps, relative to the light they
+        reflect.
     exact : (n, 3) float64
+        Radiance of the texels by a descent with next to no threshold.
     """
 
     lobe: LobeDescent
@@ -65,6 +74,7 @@ class DescentSample:
         shape, order, targets = map_texels("latlong", int(np.clip(rows, FEWEST_ROWS, MOST_ROWS)))
         rows, block, count = shape[0], _core.HIERARCHICAL_BLOCK, len(order)
         random = np.random.default_rng(2000)
+
         # Each block of texels as one view sees it, which its first texel has at a frame drawn at random.
         first = np.ascontiguousarray(targets[::block])
         aside, azimuth = local_frames(first, first), 2 * np.pi * random.random(len(first))
@@ -81,8 +91,8 @@ class DescentSample:
 
         # Blocks by what two thresholds say of their errors, by their energy, and evenly.
         fine, coarse = (
-            lobe.radiance(pyramid, *frames, at)[0].astype(np.float64)
-            for at in (FINE_THRESHOLD, LARGEST_OUTSIDE)
+            lobe.radiance(pyramid, *frames, threshold)[0].astype(np.float64)
+            for threshold in (FINE_THRESHOLD, LARGEST_OUTSIDE)
         )
         energy, difference = of_blocks(fine), of_blocks(fine - coarse)
         total = energy.sum()
@@ -117,6 +127,8 @@ def threshold_for(
     sample = DescentSample.drawn(lobe, pyramid, rows, EXACT_PART * tolerance)
     if sample is None:
         return 1.0, 0.0
+
+    # Bisection of the logarithm, once a threshold is known that meets the tolerance
     low, high, error = 0.0, LARGEST_THRESHOLD, 0.0
     while high > 1.1 * low and high > SMALLEST_THRESHOLD:
         middle = np.sqrt(low * high) if low > 0 else high / 4.0
@@ -137,24 +149,27 @@ def predicted_error(lobe: LobeDescent, pyramid: _core.Pyramid, rows: int, thresh
 
 
 def frames_at(lobe: LobeDescent, centers: FloatArray, views: FloatArray) -> Frames:
-    """Frames in which the lobe has its center at texels of a map."""
+    """Return the frames in which a lobe has its center at texels of a map."""
     return np.ascontiguousarray(lobe.normals(centers, views)), np.ascontiguousarray(views), centers
 
 
 def map_texels(layout: Layout, size: int) -> tuple[tuple[int, ...], npt.NDArray[np.intp], FloatArray]:
-    """Shape of a map, the places of its texels block by block, and their directions in that order."""
+    """Return a map's shape, the places of its texels block by block, and their directions in that order."""
     C = map_directions(layout, size)
     order = _by_blocks(C.shape[:-1])
     return C.shape, order, np.ascontiguousarray(C.reshape(-1, 3)[order])
 
 
 def _by_blocks(shape: tuple[int, ...]) -> npt.NDArray[np.intp]:
-    """Places of the texels of a map, block by block of neighbours, each of as many as descend together."""
+    """Return the places of a map's texels, block by block of the neighbors that descend together."""
+    # A key for each texel of a face: its block, then its place in that
     side = int(np.sqrt(_core.HIERARCHICAL_BLOCK))
     H, W = shape[-2:]
     rows, columns = np.arange(H) // side, np.arange(W) // side
     within = (np.arange(H) % side)[:, None] * side + (np.arange(W) % side)[None]
-    tile = rows[:, None] * (columns[-1] + 1) + columns[None]
-    one = np.argsort((tile * side**2 + within).ravel(), kind="stable")
+    block = rows[:, None] * (columns[-1] + 1) + columns[None]
+    of_face = np.argsort((block * side**2 + within).ravel(), kind="stable")
+
+    # The same order in all faces, one after another
     faces = int(np.prod(shape[:-2], dtype=int))
-    return (np.arange(faces)[:, None] * (H * W) + one[None]).ravel()
+    return (np.arange(faces)[:, None] * (H * W) + of_face[None]).ravel()

@@ -1,8 +1,8 @@
 """Published fits to measured materials, by name: the parameters stand beside this file, with their sources.
 
-    merl-abc     100 materials of MERL, by the ABC model, Löw et al. 2012
-    merl-sgd     86 of them, by the shifted gamma distribution, Bagher et al. 2012
-    lafortune    skin, clay, felt, blue paint, brushed metal and primer, by generalised cosine lobes
+    merl-abc     100 materials of MERL, by the ABC model [LKYU12]
+    merl-sgd     86 of them, by the shifted gamma distribution [BSH12]
+    lafortune    skin, clay, felt, blue paint, brushed metal and primer, by generalised cosine lobes [LFTG97]
 
 On the command line: merl-abc:blue-metallic-paint.
 """

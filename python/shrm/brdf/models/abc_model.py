@@ -1,4 +1,4 @@
-"""The micro-facet form of the ABC model, Löw et al. 2012 [LKYU12], whose fits to MERL are published.
+"""The micro-facet form of the ABC model, Löw et al. [LKYU12], whose fits to MERL are published.
 
     rho_hat = N.L kD / pi + F G S / (pi N.V)    where N.L > 0,    S = A / (1 + B (1 - N.H))^C
 

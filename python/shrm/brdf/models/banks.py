@@ -3,7 +3,7 @@
     rho_hat = max(0, sqrt(1 - (L.T)^2) sqrt(1 - (V.T)^2) - (L.T)(V.T) - s) / (1 - s)^2
 
 which is max(0, -cos(theta_i + theta_o) - s) / (1 - s)^2 with the angles from the tangent T.
-Negative values are cut, as in D. Banks, Illumination in Diverse Codimensions, SIGGRAPH 1994.
+Negative values are cut, as in [B94].
 
 Centered on the tangent. Neither a cosine nor a horizon: self-shadowing is left out in the source too,
 so that the model has no normal.

@@ -1,4 +1,4 @@
-"""The generalised cosine lobes of Lafortune et al. 1997.
+"""The generalised cosine lobes of Lafortune et al. [LFTG97].
 
     rho_hat = N.L ( diffuse / pi + sum_k max(0, Cx Lx Vx + Cy Ly Vy + Cz Lz Vz)^n )    where N.L > 0
 

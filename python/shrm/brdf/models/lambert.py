@@ -2,9 +2,7 @@
 
     rho_hat = albedo / pi  max(N.L, 0)
 
-The cosine is in it. Radially symmetric about the normal; needs no map at all in the nine-term form
-of R. Ramamoorthi, P. Hanrahan, An Efficient Representation for Irradiance Environment Maps,
-SIGGRAPH 2001.
+The cosine is in it. Radially symmetric about the normal; needs no map at all in the nine-term form of [RH01].
 """
 
 from dataclasses import dataclass
