@@ -17,6 +17,7 @@ _BRADFORD = np.array(
 
 
 def _xyz(x: float, y: float) -> FloatArray:
+    """Return the XYZ of a chromaticity, Y = 1."""
     return np.array([x / y, 1.0, (1.0 - x - y) / y])
 
 
@@ -36,11 +37,14 @@ def xyz_from_rgb(chromaticities: Sequence[float]) -> FloatArray:
     c = np.asarray(chromaticities, dtype=np.float64)
     if c.shape != (8,) or not np.all(np.isfinite(c)) or np.any(c[1::2] == 0):
         raise ValueError(
-            "chromaticities must be 8 finite numbers, x and y of red, green, blue, white, y not 0"
+            "chromaticities must be 8 finite numbers, x and y of red, green, blue, white, y not 0, "
+            f"got {list(chromaticities)}"
         )
     primaries = np.stack([_xyz(c[0], c[1]), _xyz(c[2], c[3]), _xyz(c[4], c[5])], axis=1)
     if abs(np.linalg.det(primaries)) < 1e-6:
-        raise ValueError("chromaticities of red, green and blue lie on one line")
+        raise ValueError(
+            f"chromaticities of red, green and blue must not lie on one line, got {list(chromaticities[:6])}"
+        )
     return np.asarray(primaries * np.linalg.solve(primaries, _xyz(c[6], c[7])), dtype=np.float64)
 
 

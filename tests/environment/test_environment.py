@@ -106,7 +106,7 @@ def test_refuses_types() -> None:
 def test_refuses_not_finite() -> None:
     pixels = np.zeros((4, 8, 3))
     pixels[2, 5, 1], pixels[3, 0] = np.nan, 1e39  # beyond float32
-    with pytest.raises(ValueError, match="2 texels that are NaN or infinite, the first at row 2, column 5"):
+    with pytest.raises(ValueError, match="finite, got 2 texels that are not, the first at row 2, column 5"):
         Environment(pixels)
 
 

@@ -23,8 +23,8 @@ RADIANCE_UNIT = 20.0  # kcd/m^2: 1.0 is about a white diffuse surface in full da
 SUN_DIAMETER = 0.533  # degrees
 
 
-_SUN_TEMPERATURE = 5778.0  # K
-_SUN_SAMPLES = 1 << 15
+_SUN_TEMPERATURE = 5778.0  # kelvin, of the black body whose power is the sun's
+_SUN_SAMPLES = 1 << 15  # equal parts of its disc, shared out among texels
 
 
 def sun_irradiance(elevation: float, turbidity: float) -> FloatArray:
@@ -33,7 +33,7 @@ def sun_irradiance(elevation: float, turbidity: float) -> FloatArray:
     Parameters
     ----------
     elevation : float
-        Of the sun, degrees above the horizon.
+        Elevation of the sun, degrees above the horizon.
     turbidity : float
         Haze: 2 is very clear, 10 is hazy.
 
@@ -48,7 +48,9 @@ def sun_irradiance(elevation: float, turbidity: float) -> FloatArray:
     mass = 1.0 / (math.cos(math.radians(zenith)) + 0.15 * (93.885 - zenith) ** -1.253)
     rayleigh = np.exp(-0.008735 * wavelength**-4.08 * mass)
     haze = np.exp(-(0.04608 * turbidity - 0.04586) * wavelength**-1.3 * mass)
-    # Planck: 2 h c^2 / lambda^5 / (exp(h c / (lambda k T)) - 1), W/(m^2 sr) per metre of wavelength.
+
+    # The spectrum by Planck's law, W/(m^2 sr) per metre of wavelength:
+    # 2 h c^2 / lambda^5 / (exp(h c / (lambda k T)) - 1)
     metres = wavelength * 1e-6
     radiance = 2 * 6.62607015e-34 * 299792458.0**2 / metres**5
     radiance /= np.expm1(6.62607015e-34 * 299792458.0 / (metres * 1.380649e-23 * _SUN_TEMPERATURE))
@@ -162,29 +164,36 @@ def daylight_pixels(
     )
     sun_light = sun_irradiance(sun_elevation, turbidity)
     radiance = np.empty((size, 2 * size, 3))
-    # Four samples per texel, so that the bright part round the sun is not jagged; row by row, to save memory.
+
+    # The sky: four samples per texel, so that the bright part round the sun is not jagged; row by row, to
+    # save memory
     offsets = np.array([0.25, 0.75])
     columns = (np.arange(2 * size)[:, None] + offsets).ravel()
     for i in range(size // 2):
         x, y = np.meshgrid(columns, i + offsets)
         rays = layouts.rays("latlong", size, 2 * size, np.stack([x.ravel(), y.ravel()], axis=1))
         radiance[i] = sky_radiance(rays, sun, turbidity).reshape(2, 2 * size, 2, 3).mean(axis=(0, 2))
-    # The ground's irradiance is the sky's and the sun's; it looks the same from everywhere.
+
+    # The ground: its irradiance is the sky's and the sun's, and it looks the same from everywhere.
     area = layouts.solid_angles("latlong", size, 2 * size)
     cosine = np.cos((np.arange(size // 2) + 0.5) * math.pi / size)
     lit = np.einsum("i,ij,ijc->c", cosine, area[: size // 2], radiance[: size // 2]) + sun_light * sun[2]
     radiance[size // 2 :] = albedo * lit / math.pi
+
+    # The sun
     radiance += (_spread_sun(sun, size) / area)[:, :, None] * sun_light
     return radiance.astype(np.float32)
 
 
 def _spread_sun(sun: FloatArray, size: int) -> FloatArray:
     """Return the fraction of the sun's disc in each texel, (size, 2 size); the sum is 1."""
-    # Equal areas of the disc on a spiral of golden angles.
+    # Equal areas of the disc on a spiral of golden angles
     k = np.arange(_SUN_SAMPLES)
     cap = 1 - math.cos(math.radians(SUN_DIAMETER / 2))
     cosine = 1 - cap * (k + 0.5) / _SUN_SAMPLES
     angle = k * math.pi * (3 - math.sqrt(5))
+
+    # Their directions about the sun, and the texels that they lie in
     aside = np.array([1.0, 0.0, 0.0]) if abs(sun[2]) > 0.9 else np.array([0.0, 0.0, 1.0])
     right = np.cross(aside, sun)
     right /= np.linalg.norm(right)

@@ -73,7 +73,8 @@ class Environment:
             row, column = np.argwhere(bad)[0]
             count = np.count_nonzero(bad)
             raise ValueError(
-                f"pixels has {count} texels that are NaN or infinite, the first at row {row}, column {column}"
+                f"pixels must be finite, got {count} texels that are not, the first at row {row}, "
+                f"column {column}"
             )
         # The coefficients are kept: what they were taken from must not change.
         if pixels.flags.writeable and np.may_share_memory(values, pixels):
@@ -273,11 +274,11 @@ class Environment:
         """
         count = (whole_number("F", F, 0, 1000) + 1) ** 2
         if self._coefficients is None or len(self._coefficients) < count:
-            found = _core.analysis(pixels=self._pixels, F=int(F), areas=True)
-            if not np.isfinite(found).all():
+            coefficients = _core.analysis(pixels=self._pixels, F=int(F), areas=True)
+            if not np.isfinite(coefficients).all():
                 largest = np.abs(self._pixels).max()
-                raise ValueError(f"pixels of up to {largest:.3g} are too large: their integrals overflow")
-            self._coefficients = found
+                raise ValueError(f"pixels must have integrals that do not overflow, got up to {largest:.3g}")
+            self._coefficients = coefficients
         result: FloatArray = self._coefficients[:count].copy()
         return result
 
@@ -328,7 +329,7 @@ class Environment:
         turbidity : float
             Haze, 1.8 to 10: 2 is very clear.
         albedo : float or 3 floats
-            Of the ground, 0 to 1.
+            Albedo of the ground, 0 to 1.
         size : int
             Rows of the picture, even, >= 2; it is twice as wide.
 
@@ -366,18 +367,18 @@ def _read_only(pixels: Float32Array) -> Float32Array:
 def _basis(n: FloatArray) -> FloatArray:
     """Return the nine real harmonics with the Condon-Shortley phase, (n, 9), as polynomials [RH01, eq. 3]."""
     x, y, z = n.T
-    one, two = math.sqrt(3 / (4 * math.pi)), math.sqrt(15 / (4 * math.pi))
+    degree_1, degree_2 = math.sqrt(3 / (4 * math.pi)), math.sqrt(15 / (4 * math.pi))
     return np.stack(
         [
             np.full_like(x, math.sqrt(1 / (4 * math.pi))),
-            -one * y,
-            one * z,
-            -one * x,
-            two * x * y,
-            -two * y * z,
+            -degree_1 * y,
+            degree_1 * z,
+            -degree_1 * x,
+            degree_2 * x * y,
+            -degree_2 * y * z,
             math.sqrt(5 / (16 * math.pi)) * (3 * z * z - 1),
-            -two * x * z,
-            two / 2 * (x * x - y * y),
+            -degree_2 * x * z,
+            degree_2 / 2 * (x * x - y * y),
         ],
         axis=1,
     )
@@ -408,15 +409,15 @@ def _find_faces(path: Path) -> list[Path]:
             if all(file.is_file() for file in files):
                 return files
         elif path.is_dir():
-            found = [
+            matches = [
                 [f for f in sorted(path.iterdir()) if _ends_with(f.stem.lower(), name)] for name in names
             ]
-            if all(len(f) == 1 for f in found):
-                return [f[0] for f in found]
+            if all(len(f) == 1 for f in matches):
+                return [f[0] for f in matches]
     schemes = "; ".join(" ".join(names) for names in _FACE_NAMES)
     raise image_io.ImageError(f"{path}: no six faces found there, named by one of the schemes {schemes}")
 
 
 def _ends_with(stem: str, name: str) -> bool:
-    """Whether a file's name ends in a face's name as a word of its own."""
+    """Tell whether a file's name ends in a face's name as a word of its own."""
     return stem == name or (stem.endswith(name) and not stem[-len(name) - 1].isalpha())

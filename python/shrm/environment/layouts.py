@@ -68,6 +68,7 @@ def check(layout: str) -> str:
 
 
 def _core_name(layout: str) -> str:
+    """Return the name by which the core knows a layout: six faces are a strip."""
     name = check(layout)
     return "strip" if name == "faces" else name
 
@@ -204,10 +205,11 @@ def convert(
     Parameters
     ----------
     pixels : (H, W, C) float32
+        The picture.
     source, target : str
-        Layouts.
+        Its layout, and that of the result.
     size : int or (height, width)
-        Of the result, as in `shape`.
+        Size of the result, as in `shape`, or its height and width.
     rotation : (3, 3) float64, optional
         A proper rotation R: radiance from direction w is then found in direction R w.
 

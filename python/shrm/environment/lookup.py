@@ -22,6 +22,7 @@ def environment_lookup(pixels: Float32Array, directions: FloatArray) -> Float32A
     (n, C) float32
     """
     H, W = pixels.shape[:2]
+    # The place in texels from the first center, and the texels around it
     theta = np.arccos(np.clip(directions[:, 2], -1.0, 1.0))
     phi = np.arctan2(directions[:, 1], directions[:, 0])
     row = theta * (H / np.pi) - 0.5
@@ -29,17 +30,18 @@ def environment_lookup(pixels: Float32Array, directions: FloatArray) -> Float32A
     upper = np.floor(row).astype(np.int64)
     down = (row - upper).astype(np.float32)[:, None]
     upper, lower = np.clip(upper, 0, H - 1), np.clip(upper + 1, 0, H - 1)
-    found = _mix(_along_row(pixels, upper, column), _along_row(pixels, lower, column), down)
+    values = _mix(_along_row(pixels, upper, column), _along_row(pixels, lower, column), down)
 
     # From the first row's centers to the pole is half a texel; the pole itself is the row's mean.
     for edge, beyond in ((0, -row), (H - 1, row - (H - 1))):
         near = beyond > 0.0
         to_pole = (2.0 * beyond[near]).astype(np.float32)[:, None]
-        found[near] = _mix(found[near], pixels[edge].mean(axis=0), to_pole)
-    return found
+        values[near] = _mix(values[near], pixels[edge].mean(axis=0), to_pole)
+    return values
 
 
 def _along_row(pixels: Float32Array, row: IntArray, column: FloatArray) -> Float32Array:
+    """Interpolate between the columns of rows (n,), at columns (n,) that wrap around."""
     W = pixels.shape[1]
     left = np.floor(column).astype(np.int64)
     right = (column - left).astype(np.float32)[:, None]
@@ -71,4 +73,5 @@ def texture_lookup(texture: Float32Array, uv: FloatArray) -> Float32Array:
 
 
 def _mix(a: Float32Array, b: Float32Array, t: Float32Array) -> Float32Array:
+    """Interpolate linearly from a, at t = 0, to b, at t = 1."""
     return np.asarray(a + t * (b - a), np.float32)

@@ -1,9 +1,9 @@
 """Dual-paraboloid maps with a border: where their texels look, and pictures of them.
 
-The axes are those of the layout ``dual-paraboloid`` (`shrm.environment.layouts`), with two pictures for the
-two faces: in
-the first, which looks along +z, right is -y and up is -x; in the second, along -z, right is -y and up is +x.
-In each a direction at the angle theta from its axis is tan(theta / 2) from its center, in radii of a disc.
+The axes are those of the layout ``dual-paraboloid`` (`shrm.environment.layouts`), with a picture for each of
+the two faces: in the first, which looks along +z, right is -y and up is -x; in the second, along -z, right is
+-y and up is +x. In each a direction at the angle theta from its axis is tan(theta / 2) from its center, in
+radii of a disc.
 The border continues the paraboloid beyond the disc and so shows what the other face shows too, so that
 look-ups and filters need not stop at the rim [KVHS00 section 5.2].
 
@@ -18,7 +18,7 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.environment import layouts
 
 SAMPLES = 8
-"""To a side of a texel of the border."""
+"""Samples along each side of a texel of the border, whose mean it is."""
 
 
 def face_directions(size: int, border: int, samples: int = 1) -> FloatArray:
@@ -31,7 +31,7 @@ def face_directions(size: int, border: int, samples: int = 1) -> FloatArray:
     border : int
         Texels beyond the disc on each side.
     samples : int
-        Of each texel, to a side: in place of its center.
+        Samples along each side of a texel, in place of its center.
 
     Returns
     -------
@@ -66,15 +66,18 @@ def bordered(latlong: Float32Array, picture: Float32Array, border: int) -> Float
     -------
     (n + 2 border, 2 (n + 2 border), 3) float32
     """
+    # Both faces of the continued paraboloid, the mean of samples in each texel
     n = len(picture)
     side = n + 2 * border
     D = face_directions(n, border, SAMPLES)
     H, W, _ = latlong.shape
     x, y = layouts.positions("latlong", H, W, D.reshape(-1, 3)).T
-    seen = latlong[np.clip(y.astype(int), 0, H - 1), x.astype(int) % W]
-    faces = seen.reshape(2, side, SAMPLES, side, SAMPLES, 3).mean(axis=(2, 4), dtype=np.float64)
+    samples = latlong[np.clip(y.astype(int), 0, H - 1), x.astype(int) % W]
+    faces = samples.reshape(2, side, SAMPLES, side, SAMPLES, 3).mean(axis=(2, 4), dtype=np.float64)
+
+    # Whole texels of the discs as they are in the picture
     edge = (np.abs(2.0 * np.arange(n) + 1.0 - n) + 1.0) / n
-    inside = edge[:, None] ** 2 + edge**2 <= 1.0  # whole texels
+    inside = edge[:, None] ** 2 + edge**2 <= 1.0
     middle = faces[:, border : border + n, border : border + n]
     middle[:, inside] = np.stack(np.split(picture, 2, axis=1))[:, inside]
     return np.concatenate(list(faces), axis=1).astype(np.float32)

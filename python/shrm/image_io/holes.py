@@ -16,24 +16,26 @@ def finite(path: PathLike, pixels: Float32Array, repair: bool) -> Float32Array:
     if not count:
         return pixels
     row, column = np.argwhere(bad)[0]
-    what = f"{count} texels are NaN or infinite, the first at row {row}, column {column}"
+    holes = f"{count} texels are NaN or infinite, the first at row {row}, column {column}"
     if not repair:
-        raise ImageError(f"{path}: {what}; repair=True replaces them by their neighbours")
+        raise ImageError(f"{path}: {holes}; repair=True replaces them by their neighbours")
     if count == bad.size:
         raise ImageError(f"{path}: all texels are NaN or infinite")
+
+    # From the rim of each hole inwards: the mean of the neighbors that are known
     pixels = np.where(bad[:, :, None], np.float32(0), pixels)
-    while bad.any():  # from the rim of each hole inwards
+    while bad.any():
         total = np.zeros(pixels.shape, dtype=np.float64)
-        known = np.zeros(bad.shape, dtype=np.int64)
+        count_valid = np.zeros(bad.shape, dtype=np.int64)
         padded = np.pad(pixels, ((1, 1), (1, 1), (0, 0)))
         valid = np.pad(~bad, 1)
         for i in range(3):
             for j in range(3):
                 window = np.s_[i : i + bad.shape[0], j : j + bad.shape[1]]
                 total += padded[window]
-                known += valid[window]
-        now = bad & (known > 0)
-        pixels[now] = (total[now] / known[now, None]).astype(np.float32)
-        bad &= ~now
-    warn(path, f"{what}; replaced by the mean of their neighbours")
+                count_valid += valid[window]
+        rim = bad & (count_valid > 0)
+        pixels[rim] = (total[rim] / count_valid[rim, None]).astype(np.float32)
+        bad &= ~rim
+    warn(path, f"{holes}; replaced by the mean of their neighbours")
     return pixels

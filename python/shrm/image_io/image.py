@@ -1,4 +1,4 @@
-"""What is read and written, and how faults and changes are said."""
+"""Pictures and the parts of files as they are read and written, and reports of faults and changes."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from shrm.files import PathLike
 Metadata = Mapping[str, str | int | float | Sequence[float]]
 
 DEFAULT_MAX_BYTES = 2 << 30
+"""Largest decoded picture that is read by default, bytes: 8k x 16k texels of three float32."""
 
 
 class ImageError(ValueError):
@@ -65,6 +66,6 @@ class Part:
     metadata: Metadata = field(default_factory=dict)
 
 
-def warn(path: PathLike, what: str) -> None:
-    """Say what was changed of a picture."""
-    warnings.warn(f"{os.fspath(path)}: {what}", ImageWarning, stacklevel=3)
+def warn(path: PathLike, change: str) -> None:
+    """Warn of a change to a picture, in words that follow the name of its file."""
+    warnings.warn(f"{os.fspath(path)}: {change}", ImageWarning, stacklevel=3)

@@ -30,12 +30,15 @@ def read_parts(path: PathLike, *, max_bytes: int = DEFAULT_MAX_BYTES) -> list[Pa
     source, spec = open_source(path, max_bytes)
     parts: list[Part] = []
     try:
-        left = max_bytes
+        remaining_bytes = max_bytes
         subimage = 0
         while True:
-            left -= decoded_bytes(spec)
-            if left < 0:
+            # The limit is one for all parts together.
+            remaining_bytes -= decoded_bytes(spec)
+            if remaining_bytes < 0:
                 raise too_large(path, spec, max_bytes)
+
+            # The part, its channels in the order in which they were written
             metadata = metadata_of(spec)
             pixels = read_pixels(path, source, spec, subimage)
             names = list(spec.channelnames)
@@ -45,6 +48,7 @@ def read_parts(path: PathLike, *, max_bytes: int = DEFAULT_MAX_BYTES) -> list[Pa
                 names = order
             name = str(metadata.pop("oiio:subimagename", metadata.pop("name", "")))
             parts.append(Part(name, pixels, tuple(names), metadata))
+
             subimage += 1
             if not source.seek_subimage(subimage, 0):
                 return parts
@@ -82,9 +86,11 @@ def write_parts(path: PathLike, parts: Sequence[Part]) -> None:
     if path.suffix.lower() != ".exr":
         raise ImageError(f"{path}: parts are saved as .exr only")
     if not parts or len({part.name for part in parts}) != len(parts):
-        raise ValueError("parts must have unique names, and there must be at least one")
+        given_names = ", ".join(part.name for part in parts) or "none"
+        raise ValueError(f"parts must be one or more with unique names, got {given_names}")
     specs = []
     for part in parts:
+        # What a part may be
         if part.pixels.dtype != np.float32:
             raise TypeError(f"pixels of part {part.name!r} must be float32, got {part.pixels.dtype}")
         if part.pixels.ndim != 3 or 0 in part.pixels.shape:
@@ -97,6 +103,8 @@ def write_parts(path: PathLike, parts: Sequence[Part]) -> None:
             raise ValueError(
                 f"part {part.name!r} must have {count} unique channel names without commas, got {names}"
             )
+
+        # Its header
         spec = oiio.ImageSpec(width, height, count, oiio.FLOAT)
         spec.channelnames = tuple(names)
         spec.full_height = max(p.pixels.shape[0] for p in parts)  # EXR: one display window for all parts

@@ -18,13 +18,15 @@ from shrm.image_io.source import metadata_of, open_source, read_pixels
 def read_image(path: PathLike, *, repair: bool = False, max_bytes: int = DEFAULT_MAX_BYTES) -> Image:
     """Read a picture as linear Rec. 709.
 
-    Grey becomes RGB and alpha is dropped; integers (PNG, JPEG, ...) are decoded as sRGB unless the file
+    Gray becomes RGB and alpha is dropped; integers (PNG, JPEG, ...) are decoded as sRGB unless the file
     says that it is linear; EXR `chromaticities` are converted; of a multi-part or mip-mapped file the
-    first is taken. Negative values are kept. All but the last and the first are said by a warning.
+    first picture is read. Negative values are kept. Dropped alpha, decoding, conversion and negative values
+    are reported by warnings.
 
     Parameters
     ----------
     path : path
+        The file.
     repair : bool
         Replace texels that are NaN or infinite by the mean of their neighbours, with a warning.
     max_bytes : int
@@ -35,9 +37,10 @@ def read_image(path: PathLike, *, repair: bool = False, max_bytes: int = DEFAULT
     ImageError
         The file is missing, empty, no picture, truncated, too large, or has NaN or infinite texels.
     """
+    # The file as it is stored
     source, spec = open_source(path, max_bytes)
     try:
-        columns, grey = _color_channels(path, spec)
+        columns, gray = _color_channels(path, spec)
         has_alpha = "A" in _short_names(spec)
         pixels = read_pixels(path, source, spec, subimage=0)[:, :, columns]
         metadata = metadata_of(spec)
@@ -45,11 +48,15 @@ def read_image(path: PathLike, *, repair: bool = False, max_bytes: int = DEFAULT
         is_openexr = source.format_name() == "openexr"
     finally:
         source.close()
+
+    # Three channels, upright
     if has_alpha:
         warn(path, "its alpha channel is dropped")
-    if grey:
+    if gray:
         pixels = np.repeat(pixels, 3, axis=2)
     pixels = _orient(path, pixels, metadata)
+
+    # Linear Rec. 709
     is_linear = (
         stored_as in ("half", "float", "double") or "lin" in str(metadata.get("oiio:ColorSpace", "")).lower()
     )
@@ -61,13 +68,14 @@ def read_image(path: PathLike, *, repair: bool = False, max_bytes: int = DEFAULT
     negative = int(np.count_nonzero((pixels < 0).any(axis=2)))
     if negative:
         warn(path, f"{negative} texels have negative values, the least {pixels.min():.4g}; they are kept")
+
     layouts = {"latlong environment": "openexr-latlong", "cubeface environment": "openexr-cube"}
     hint = layouts.get(str(metadata.get("textureformat", "")).lower())
     return Image(pixels, metadata, hint if is_openexr else None)
 
 
 def _color_channels(path: PathLike, spec: Any) -> tuple[list[int], bool]:
-    """Return the channels that are red, green, blue, or the one that is grey; and whether it is grey."""
+    """Return the channels that are red, green, blue, or the one that is gray; and whether it is gray."""
     names = _short_names(spec)
     if all(c in names for c in "RGB"):
         return [names.index(c) for c in "RGB"], False
@@ -77,7 +85,7 @@ def _color_channels(path: PathLike, spec: Any) -> tuple[list[int], bool]:
     colors = [k for k, name in enumerate(names) if name != "A"]
     if len(colors) in (1, 3):
         return colors, len(colors) == 1
-    raise ImageError(f"{path}: its channels {', '.join(spec.channelnames)} are neither RGB nor grey")
+    raise ImageError(f"{path}: its channels {', '.join(spec.channelnames)} are neither RGB nor gray")
 
 
 def _short_names(spec: Any) -> list[str]:
@@ -104,6 +112,7 @@ def _orient(path: PathLike, pixels: Float32Array, metadata: Mapping[str, Any]) -
 
 
 def _to_rec709(path: PathLike, pixels: Float32Array, metadata: Mapping[str, Any]) -> Float32Array:
+    """Convert a picture from the chromaticities of its file, if it names others than Rec. 709's."""
     chromaticities = metadata.get("chromaticities")
     if chromaticities is None or np.allclose(chromaticities, color.REC709, atol=2e-3):
         return pixels

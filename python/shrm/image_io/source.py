@@ -15,7 +15,14 @@ from shrm.image_io.image import ImageError
 
 
 def open_source(path: PathLike, max_bytes: int) -> tuple[Any, Any]:
-    """Open a file and check its header."""
+    """Open a file and check its header; return OpenImageIO's input and its ImageSpec.
+
+    Raises
+    ------
+    ImageError
+        If it is no flat picture that can be read, or takes more than `max_bytes` when decoded.
+    """
+    # A file that is there and not empty
     path = Path(path)
     try:
         if path.is_dir():
@@ -28,12 +35,16 @@ def open_source(path: PathLike, max_bytes: int) -> tuple[Any, Any]:
         raise ImageError(f"{path}: {error.strerror or error}") from None
     except ValueError as error:
         raise error if isinstance(error, ImageError) else ImageError(f"{path!r}: {error}") from None
+
+    # A picture
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)  # colors as stored, not multiplied by alpha
     config.attribute("pnm:pfmflip", 1)  # a PFM's first row is the lowest; our first row is the highest
     source = _careful(lambda: oiio.ImageInput.open(str(path), config))
     if source is None:
         raise ImageError(f"{path}: is not a picture that can be read ({fault(oiio.geterror)})")
+
+    # Flat, not empty, not too large
     try:
         spec = source.spec()
         if spec.deep or spec.depth > 1:
@@ -71,12 +82,12 @@ def metadata_of(spec: Any) -> dict[str, Any]:
 
 
 def decoded_bytes(spec: Any) -> int:
-    """Return what the pixels take as float32."""
+    """Return the size of the pixels as float32, bytes."""
     return int(spec.width) * int(spec.height) * int(spec.nchannels) * 4
 
 
 def too_large(path: PathLike, spec: Any, max_bytes: int) -> ImageError:
-    """Return the refusal of a picture whose pixels take more."""
+    """Return the refusal of a picture whose pixels take more than `max_bytes`."""
     size = f"{spec.width} x {spec.height} x {spec.nchannels} channels"
     need = (
         f"takes {decoded_bytes(spec) / 2**20:.0f} MiB decoded, over the limit of {max_bytes / 2**20:.0f} MiB"

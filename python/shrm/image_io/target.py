@@ -31,12 +31,19 @@ def set_metadata(path: PathLike, spec: Any, metadata: Metadata) -> None:
 
 
 def write_whole(path: Path, specs: Sequence[Any], pictures: Sequence[npt.NDArray[Any]]) -> None:
-    """Write the parts of a file, whole."""
+    """Write pictures as the parts of a file, whole or not at all.
+
+    Raises
+    ------
+    ImageError
+        If the file cannot be written.
+    """
     output = oiio.ImageOutput.create(path.suffix.lower().lstrip("."))
     if output is None:
         raise ImageError(f"{path}: cannot be written ({fault(oiio.geterror)})")
     try:
         with replacing(path) as beside:
+            # The first part is opened with the headers of all, others are appended.
             for part, (spec, pixels) in enumerate(zip(specs, pictures, strict=True)):
                 if part:
                     opened = output.open(str(beside), spec, "AppendSubimage")

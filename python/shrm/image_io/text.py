@@ -13,11 +13,13 @@ def draw_text(pixels: npt.NDArray[np.uint8], text: str, x: int, y: int, size: in
     Parameters
     ----------
     pixels : (H, W, 3) uint8
+        The picture, which stays as it is.
     text : str
+        One line.
     x, y : int
-        Where the text is centered from left to right, and its base line.
+        The middle of the text from left to right, and its base line, pixels.
     size : int
-        Height of the letters in pixels, about.
+        Approximate height of the letters, pixels.
     """
     height, width, channels = pixels.shape
     picture = oiio.ImageBuf(oiio.ImageSpec(width, height, channels, oiio.UINT8))

@@ -35,21 +35,24 @@ def write_image(path: PathLike, pixels: npt.NDArray[Any], *, metadata: Metadata 
     TypeError, ValueError
         The array has another type or shape.
     """
+    # The format, and the values that it takes
     path = Path(path)
     suffix = path.suffix.lower()
     eight_bit = suffix in (".png", ".jpg", ".jpeg")
     if not eight_bit and suffix not in (".exr", ".hdr", ".pfm", ".tif", ".tiff"):
-        known = ".exr, .hdr, .pfm, .tif, .png, .jpg"
-        raise ImageError(f"{path}: cannot write {suffix or 'a file without extension'}; use one of {known}")
-    wanted: type[np.generic] = np.uint8 if eight_bit else np.float32
-    if pixels.dtype != wanted:
-        raise TypeError(f"pixels must be {wanted.__name__} for {suffix}, got {pixels.dtype}")
+        formats = ".exr, .hdr, .pfm, .tif, .png, .jpg"
+        raise ImageError(f"{path}: cannot write {suffix or 'a file without extension'}; use one of {formats}")
+    dtype: type[np.generic] = np.uint8 if eight_bit else np.float32
+    if pixels.dtype != dtype:
+        raise TypeError(f"pixels must be {dtype.__name__} for {suffix}, got {pixels.dtype}")
     if pixels.ndim != 3 or pixels.shape[2] not in (3, 4) or 0 in pixels.shape:
         raise ValueError(f"pixels must have the shape (H, W, 4) or (H, W, 3), got {pixels.shape}")
     if not eight_bit:
         finite(path, pixels, repair=False)
     if suffix == ".hdr" and np.any(pixels < 0):
         warn(path, "the format has no negative values; they become 0")
+
+    # The file's header, and the file
     height, width, channels = pixels.shape
     spec = oiio.ImageSpec(width, height, channels, oiio.UINT8 if eight_bit else oiio.FLOAT)
     if eight_bit:

@@ -1,1 +1,1 @@
-"""What is done to any lobe, by whatever method: directions, quadrature, centers, splits, factored forms."""
+"""Operations on any lobe, by whatever method: directions, quadrature, centers, splits, factored forms."""

@@ -40,31 +40,36 @@ def gamma_table(center: Center, transfer: Transfer | None = None) -> FloatArray:
 
 
 def gamma_at(gamma: FloatArray, theta_v: FloatArray) -> FloatArray:
-    """Look gamma(theta_v) up in its table, linearly: what renderers do, too."""
+    """Look gamma(theta_v) up in its table, linearly, as renderers do."""
     return np.interp(theta_v, np.linspace(0, np.pi / 2, len(gamma)), gamma)
 
 
 @lru_cache(maxsize=64)
 def lobe_center(transfer: Transfer) -> tuple[FloatArray, float]:
-    """The table of gamma for the mean direction of rho_hat^2, and the angle that holds half the energy."""
+    """Return gamma (257,) of the mean direction of rho_hat^2, and the angle that holds half, radians."""
+    # rho_hat^2 about R, with panels that double from a hundredth of a radian outwards
     theta_v = np.linspace(0, _GRAZING, 25)
-    nodes = horizon_quadrature(
-        theta_v, 0.01, L=0, K=16, least=6
-    )  # about R, from a hundredth of a radian outwards
+    nodes = horizon_quadrature(theta_v, 0.01, L=0, K=16, least=6)
     values = tabulate(transfer, theta_v, theta_v, nodes)
     energy = np.einsum("vkic,vkic->vki", values, values)
-    # its integrals over phi, and those of its part towards x
+
+    # Its integrals over phi, and those of its part towards x
     ring = 2 * nodes.weight_theta * nodes.arc * (nodes.weight_share @ energy)
     energy *= np.cos(nodes.arc[:, None] * nodes.share[:, None])
     towards_x = 2 * nodes.weight_theta * nodes.arc * (nodes.weight_share @ energy)
+
+    # gamma from the mean direction
     along_x = (towards_x * np.sin(nodes.theta_i)).sum(axis=1)
     along_z = (ring * np.cos(nodes.theta_i)).sum(axis=1)
     gamma = np.clip(theta_v - np.arctan2(along_x, along_z), 0, np.pi / 2)
     gamma[0] = 0  # by symmetry
+
+    # theta_o = theta_v + gamma must not fall, nor C leave the quadrant between N and the horizon.
     fine = np.linspace(0, np.pi / 2, GAMMA_SIZE)
-    # theta_o = theta_v + gamma must not fall, nor C leave the quadrant between N and the horizon
     theta_o = np.maximum.accumulate(fine + _hermite(theta_v, gamma, np.minimum(fine, _GRAZING)))
     table = np.clip(theta_o - fine, 0, np.pi / 2)
+
+    # The angle that holds half, at the narrowest view
     inside = np.cumsum(ring, axis=1)
     total = inside[:, -1]
     half = [t[np.searchsorted(e, e[-1] / 2)] for t, e in zip(nodes.theta_i, inside, strict=True) if e[-1] > 0]
@@ -73,12 +78,12 @@ def lobe_center(transfer: Transfer) -> tuple[FloatArray, float]:
     return table, float(np.clip(np.min(half), 1e-3, 0.8))
 
 
-def _hermite(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArray:
-    """Cubic Hermite interpolation with central differences as slopes."""
+def _hermite(x: FloatArray, y: FloatArray, points: FloatArray) -> FloatArray:
+    """Interpolate y(x) at points by cubic Hermite polynomials with central differences as slopes."""
     slope = np.gradient(y, x)
-    i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
+    i = np.clip(np.searchsorted(x, points, side="right") - 1, 0, len(x) - 2)
     h = x[i + 1] - x[i]
-    t = (at - x[i]) / h
+    t = (points - x[i]) / h
     return np.asarray(
         (1 + 2 * t) * (1 - t) ** 2 * y[i]
         + t * (1 - t) ** 2 * h * slope[i]

@@ -15,14 +15,14 @@ from shrm.lobes.center import gamma_table
 
 
 def central_directions(center: Center, n: FloatArray, v: FloatArray, t: FloatArray) -> FloatArray:
-    """C of lobes whose center is none of their own: R, N or T, (n, 3)."""
+    """Return C, (n, 3), of lobes about R, N or T."""
     if center == "reflection":
         return reflection(n, v)
     return n if center == "normal" else t
 
 
 def normals_at(center: Center, gamma: FloatArray, centers: FloatArray, v: FloatArray) -> FloatArray:
-    """Normals (n, 3) whose centers, seen from v, are `centers`; gamma (257,) is that of the lobe center."""
+    """Return normals (n, 3) whose centers, seen from v, are `centers`; gamma (257,) is for lobe centers."""
     if center == "normal":
         return centers
     if center == "reflection":
@@ -41,13 +41,16 @@ def normals_of(
     centers: FloatArray,
     v: FloatArray,
 ) -> FloatArray:
-    """Normals (n, 3) of an isotropic lobe whose centers, seen from v, are `centers`."""
+    """Return normals (n, 3) of an isotropic lobe whose centers, seen from v, are `centers`."""
     gamma = gamma_table("lobe", transfer) if center == "lobe" else np.zeros(0)
     return normals_at(center, gamma, centers, v)
 
 
 def across(z: FloatArray, towards: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Unit vectors (n, 3) square to z, in the plane of z and `towards` unless parallel; the angles (n,)."""
+    """Return unit vectors (n, 3) square to z, in the plane of z and `towards`, and the angles (n,) from z.
+
+    Where z and `towards` are parallel, any vector square to z is returned.
+    """
     cosine = np.einsum("nc,nc->n", towards, z)
     x = towards - cosine[:, None] * z
     sine = np.sqrt(np.einsum("nc,nc->n", x, x))
@@ -61,19 +64,19 @@ def across(z: FloatArray, towards: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def local_frames(z: FloatArray, towards: FloatArray) -> FloatArray:
-    """Frames (n, 3, 3) with columns x, y, z; x as `across` has it."""
+    """Return frames (n, 3, 3) with columns x, y, z, x in the plane of z and `towards` as `across` has it."""
     z = z / np.linalg.norm(z, axis=1, keepdims=True)
     x, _ = across(z, towards)
     return np.stack([x, np.cross(z, x), z], axis=2)
 
 
 def reflection(n: FloatArray, v: FloatArray) -> FloatArray:
-    """R = 2 (N.V) N - V."""
+    """Return R = 2 (N.V) N - V, (n, 3)."""
     return np.asarray(2 * np.einsum("nc,nc->n", n, v)[:, None] * n - v)
 
 
 def bisector(a: FloatArray, b: FloatArray) -> FloatArray:
-    """The unit vector between a and b: for R and V, the normal. Square to both if they are opposite."""
+    """Return unit vectors (n, 3) midway between a and b: for R and V, the normal. Square to opposite ones."""
     sum_ = a + b
     length = np.sqrt(np.einsum("nc,nc->n", sum_, sum_))
     opposite = length < 1e-7
@@ -84,7 +87,7 @@ def bisector(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def above_horizon(center: Center, n: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """N and V for views below the horizon of N, as reflection maps have them.
+    """Return N and V, (n, 3) each, with views below the horizon of N replaced as reflection maps have them.
 
     About the reflection -N takes the place of N, which leaves R as it is; about the lobe or the normal V is
     brought back to the horizon.

@@ -24,9 +24,12 @@ from shrm.validation import whole_number
 
 VIEWS, LIGHTS, AZIMUTHS = 97, 385, 48
 """Nodes of a table in theta_v, theta_i and, over half a circle, in phi."""
+
 MOST_LOBES = 8
+"""Most factored lobes that are summed."""
+
 PHONG_EXPONENTS = (1.0, 1e5, 200)
-"""Those tried: the first, the last, how many."""
+"""Exponents tried for a Phong lobe, in geometric progression: the first, the last and their number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,14 +78,14 @@ def symmetric(lobe: Lobe) -> ZonalLobe:
 def factored(lobe: Lobe, lobes: int = 1) -> tuple[FactoredLobe, ...]:
     """Return the sum of factored lobes that is nearest to a lobe.
 
-    Nearest in the mean square over lights, and over views with cos^2(theta_v) uniform.
+    The distance is the mean square over lights, and over views with cos^2(theta_v) uniform.
 
     Parameters
     ----------
     lobe : Lobe
         As in `symmetric`, but not about the tangent.
     lobes : int
-        How many, 1 to 8.
+        Number of factored lobes, 1 to 8.
 
     Returns
     -------
@@ -128,19 +131,19 @@ def factored_phong(lobe: Lobe) -> tuple[FactoredLobe]:
         factor = np.stack(
             [_projected(u, shape, table.light_measure)[:, 0] for u in np.moveaxis(table.values, 2, 0)], axis=1
         )
-        off = (factor[:, None] * shape[0][:, None] - table.values) ** 2
-        squared = float(np.einsum("vlc,v,l->", off, table.view_measure, table.light_measure))
-        if best is None or squared < best[0]:
-            best = squared, float(exponent), factor
+        squares = (factor[:, None] * shape[0][:, None] - table.values) ** 2
+        distance = float(np.einsum("vlc,v,l->", squares, table.view_measure, table.light_measure))
+        if best is None or distance < best[0]:
+            best = distance, float(exponent), factor
     assert best is not None
     center = lobe.center if lobe.kind == "zonal" else "reflection"
     return (FactoredLobe(best[2], RadialLobe(center, Phong(best[1]).lobes[0].profile)),)
 
 
 def _projected(values: FloatArray, shape: FloatArray, measure: FloatArray) -> FloatArray:
-    """Factors (VIEWS, lobes) for shapes (lobes, LIGHTS) of the rows of a table.
+    """Fit factors (VIEWS, lobes) for shapes (lobes, LIGHTS) to the rows of a table.
 
-    By least squares among those that reflect as much of a white light as the rows do.
+    The fit is by least squares among those that reflect as much of a white light as the rows do.
     """
     weighted = shape * measure
     gram, integral = weighted @ shape.T, weighted.sum(axis=1)
@@ -163,7 +166,7 @@ class _Grid:
         return np.minimum(self.width * np.sinh(np.linspace(0.0, end, LIGHTS)), np.pi)
 
     def place(self, theta_i: FloatArray) -> FloatArray:
-        """Where an angle lies among the nodes."""
+        """Return the place of angles among the nodes, in [0, LIGHTS - 1]."""
         return np.asarray(np.arcsinh(theta_i / self.width) * ((LIGHTS - 1) / np.arcsinh(np.pi / self.width)))
 
 
@@ -204,12 +207,12 @@ class _Table:
 
     @property
     def view_measure(self) -> FloatArray:
-        """That of cos^2(theta_v) uniform, with what lies about the ends of a grid given to them."""
+        """The measure of each view node for cos^2(theta_v) uniform: what lies nearer to it than to others."""
         return _shares(np.sin(self.theta_v) ** 2)
 
     @property
     def light_measure(self) -> FloatArray:
-        """That of the sphere, likewise."""
+        """The solid angle of the ring of each light node: what lies nearer to it than to others."""
         return _shares(-2 * np.pi * np.cos(self.theta_i))
 
     def __call__(self, theta_i: FloatArray, theta_o: FloatArray) -> FloatArray:
@@ -224,6 +227,7 @@ class _Table:
 
 
 def _table(lobe: Lobe) -> _Table:
+    """Tabulate the mean of a lobe over the azimuth about R, or a zonal lobe about its center."""
     theta_v = np.linspace(0.0, np.pi / 2, VIEWS)
     if isinstance(lobe, ZonalLobe) and lobe.center != "tangent":
         grid = _Grid(_width(lobe))
@@ -232,12 +236,16 @@ def _table(lobe: Lobe) -> _Table:
     refuse_anisotropic(lobe)
     if lobe.kind != "isotropic":
         raise ValueError(f"a {lobe.kind} lobe about the {lobe.center} is no lobe to be made symmetric")
+
+    # Nodes about R in the lobe's plane, over half a circle: the lobe is even in phi.
     _, width = lobe_center(lobe.transfer)
     grid = _Grid(width)
     theta_i = grid.nodes
-    phi = np.pi * (np.arange(AZIMUTHS) + 0.5) / AZIMUTHS  # the lobe is even in it
+    phi = np.pi * (np.arange(AZIMUTHS) + 0.5) / AZIMUTHS
     a, b = np.meshgrid(theta_i, phi, indexing="ij")
     x, y, z = np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)
+
+    # The mean over phi for each view
     means = []
     for angle in np.minimum(theta_v, np.pi / 2 - 1e-6):
         sine, cosine = np.sin(angle), np.cos(angle)
@@ -249,12 +257,13 @@ def _table(lobe: Lobe) -> _Table:
 
 
 def _cell(place: FloatArray, nodes: int) -> tuple[npt.NDArray[np.intp], FloatArray]:
+    """Return the node before each place, and how far beyond it that lies, in [0, 1]."""
     k = np.clip(place.astype(np.intp), 0, nodes - 2)
     return k, np.clip(place - k, 0.0, 1.0)
 
 
 def _width(lobe: ZonalLobe) -> float:
-    """Angle from C that holds half of the energy for a view at 45 degrees."""
+    """Return the angle from C that holds half of the energy for a view at 45 degrees, radians."""
     theta_i = np.linspace(0.0, np.pi, 4097)[1:]
     u = lobe.profile(theta_i, np.full_like(theta_i, lobe.theta_o(np.array(np.pi / 4))))
     energy = np.cumsum((u.reshape(len(u), -1) ** 2).sum(axis=1) * np.sin(theta_i))
@@ -262,6 +271,6 @@ def _width(lobe: ZonalLobe) -> float:
 
 
 def _shares(position: FloatArray) -> FloatArray:
-    """Of a rising position, what lies nearer to each node than to others."""
+    """Return the length nearer to each of some rising positions than to the others."""
     middles = 0.5 * (position[:-1] + position[1:])
     return np.diff(np.concatenate([position[:1], middles, position[-1:]]))

@@ -1,6 +1,6 @@
-"""What is to be known of measurements before they are trusted: reciprocity, energy, where there are none.
+"""The quality of measurements, to be known before they are trusted: reciprocity, energy, coverage.
 
-Neither is mended, here or by the readers: a material that reflects more than it receives does so in pictures.
+Nothing is mended, here or by the readers: a material that reflects more than it receives does so in pictures.
 """
 
 from __future__ import annotations
@@ -15,15 +15,16 @@ from shrm.lobes.center import lobe_center
 from shrm.lobes.quadrature import horizon_quadrature, tabulate
 
 VIEWS = np.radians([0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 85, 89])
-"""Angles between N and V at which albedos are looked at."""
+"""Angles between N and V at which albedos are taken, radians."""
 
 _DEGREES, _AZIMUTHS = 60, 48
-"""Nodes as for these degrees: albedos of real files change by less than 1e-3 with more."""
+"""Largest degree that the quadrature of albedos is exact for, and its azimuths: with more, albedos of real
+files change by less than 1e-3."""
 
 
 @dataclass(frozen=True)
 class Quality:
-    """What a measured material is like.
+    """The quality of a measured material.
 
     Attributes
     ----------
@@ -52,12 +53,12 @@ class Quality:
 
 
 def quality(material: Measured, pairs: int = 1 << 16) -> Quality:
-    """Look at a measured material.
+    """Assess a measured material.
 
     Parameters
     ----------
     material : Measured
-        Isotropic, as all that are read are.
+        An isotropic material, as all that are read are.
     pairs : int
         Pairs of directions of a fixed sequence; errors of means fall with its root, or faster.
 
@@ -67,9 +68,9 @@ def quality(material: Measured, pairs: int = 1 << 16) -> Quality:
     """
     L, V = _pairs(pairs)
     data = material.covers(L, V)
-    both = (data & material.covers(V, L))[:, None]
-    forth = both * material.function(L, V) * V[:, 2:]  # f (N.L)(N.V)
-    back = both * material.function(V, L) * L[:, 2:]
+    both_ways = (data & material.covers(V, L))[:, None]
+    forth = both_ways * material.function(L, V) * V[:, 2:]  # f (N.L)(N.V)
+    back = both_ways * material.function(V, L) * L[:, 2:]
     mean = 0.5 * float((forth + back).sum())
     return Quality(
         reciprocity_error=float(np.abs(forth - back).sum()) / mean if mean > 0 else 0.0,
@@ -80,6 +81,7 @@ def quality(material: Measured, pairs: int = 1 << 16) -> Quality:
 
 
 def _albedo(material: Measured) -> FloatArray:
+    """Integrate the directional albedo at the angles `VIEWS`, (views, 3)."""
     transfer = material.lobes[0].function
     nodes = horizon_quadrature(VIEWS, lobe_center(transfer)[1], _DEGREES, _AZIMUTHS)
     values = tabulate(transfer, VIEWS, VIEWS, nodes)
@@ -88,6 +90,7 @@ def _albedo(material: Measured) -> FloatArray:
 
 
 def _covered_to(L: FloatArray, V: FloatArray, data: BoolArray) -> float:
+    """Return the angle from the normal, radians, up to which nine tenths of each 5 degrees have data."""
     step = np.radians(5)
     farther = np.arccos(np.minimum(L[:, 2], V[:, 2]))
     band = np.minimum((farther / step).astype(int), 17)
@@ -97,7 +100,7 @@ def _covered_to(L: FloatArray, V: FloatArray, data: BoolArray) -> float:
 
 
 def _pairs(count: int) -> tuple[FloatArray, FloatArray]:
-    """Directions above the horizon, uniform by solid angle in pairs: a sequence of the roots of primes."""
+    """Return pairs of directions above the horizon, uniform by solid angle, from the roots of primes."""
     i = np.arange(1, count + 1)[:, None]
     a, b, c = (i * np.sqrt([2.0, 3.0, 5.0]) % 1).T
     directions = []

@@ -53,26 +53,29 @@ class Quadrature:
 
 @lru_cache(maxsize=256)
 def leggauss(n: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Legendre nodes and weights on [-1, 1], kept."""
+    """Return Gauss-Legendre nodes and weights on [-1, 1], kept for the next call."""
     return np.polynomial.legendre.leggauss(n)
 
 
 @lru_cache(maxsize=256)
 def unit_gauss(n: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Legendre nodes and weights on [0, 1], kept."""
+    """Return Gauss-Legendre nodes and weights on [0, 1], kept for the next call."""
     x, w = leggauss(n)
     return (x + 1) / 2, w / 2
 
 
 @lru_cache(maxsize=256)
 def _root_gauss(n: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss nodes in t of sin^2(pi t / 2), on [0, 1]: functions with square-root ends become smooth."""
+    """Return Gauss nodes in t of sin^2(pi t / 2), on [0, 1]: square-root ends of functions become smooth."""
     t, w = unit_gauss(n)
     return np.sin(np.pi / 2 * t) ** 2, np.pi / 2 * np.sin(np.pi * t) * w
 
 
 def panels(edges: FloatArray, L: int, least: int, roots: int) -> tuple[FloatArray, FloatArray]:
-    """Composite Gauss nodes on the panels between edges (views, n+1), the last `roots` with root ends."""
+    """Return composite Gauss nodes and weights on the panels between edges (views, n+1).
+
+    The last `roots` panels are for functions with square-root ends.
+    """
     lengths = np.diff(edges, axis=1)
     # f_lq turns by L radians per radian; Gauss needs pi nodes per wave, half a node per radian
     counts = least + np.ceil(0.5 * L * lengths.max(axis=0)).astype(int)
@@ -85,7 +88,7 @@ def panels(edges: FloatArray, L: int, least: int, roots: int) -> tuple[FloatArra
 
 
 def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int, least: int = 10) -> Quadrature:
-    """Nodes for lobes that end at N.L = 0, exact about that edge.
+    """Return nodes for lobes that end at N.L = 0, exact about that edge.
 
     Parameters
     ----------
@@ -104,22 +107,24 @@ def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int, least: i
     -------
     Quadrature
     """
-    full = np.pi / 2 - gamma  # below, the whole circle is above the horizon; above, an arc of it
+    # Panels in theta_i: up to `full` the whole circle is above the horizon, beyond it an arc.
+    full = np.pi / 2 - gamma
     rungs = width * 2.0 ** np.arange(max(np.ceil(np.log2(full.max() / width)), 0))
     inner = np.minimum(np.concatenate([[0.0], rungs, [np.pi]]), full[:, None])
     outer = full[:, None] + 2 * gamma[:, None] * np.array([0.25, 1.0])
     # The length of the arc has square roots at both ends of the outer panels.
     theta_i, weight = panels(np.concatenate([inner, outer], axis=1), L, least, roots=2)
-    # N.L > 0: cos(phi) > -cot(gamma) cot(theta_i)
+
+    # The arc of phi where N.L > 0: cos(phi) > -cot(gamma) cot(theta_i)
     with np.errstate(divide="ignore"):
         limit = -1 / (np.tan(gamma[:, None]) * np.tan(theta_i))
     arc = np.where(theta_i <= full[:, None], np.pi, np.arccos(np.clip(limit, -1, 1)))
-    # Gauss in azimuth, too, where the arc is a whole circle: it is dense where lobes are narrow, at phi = 0
+    # Gauss in azimuth even where the arc is a whole circle: it is dense where lobes are narrow, at phi = 0.
     return Quadrature(theta_i, weight * np.sin(theta_i), arc, *unit_gauss(K))
 
 
 def whole_quadrature(width: float, L: int) -> Quadrature:
-    """Nodes over the whole sphere, for radial lobes: one view and one azimuth."""
+    """Return nodes over the whole sphere, for radial lobes: one view and one azimuth."""
     rungs = width * 2.0 ** np.arange(np.ceil(np.log2(np.pi / 2 / width)))
     edges = np.concatenate([[0.0], rungs[rungs < np.pi / 2], [np.pi / 2, np.pi]])
     theta_i, weight = panels(edges[None], L, least=12, roots=len(edges) - 1)
@@ -127,35 +132,40 @@ def whole_quadrature(width: float, L: int) -> Quadrature:
 
 
 def uniform_quadrature(views: int, L: int, count: int = 8) -> Quadrature:
-    """Nodes over the whole sphere with no preferred colatitude, for lobes about the tangent: one azimuth."""
+    """Return nodes over the sphere with no preferred colatitude, for lobes about the tangent: one azimuth."""
     edges = np.tile(np.linspace(0, np.pi, count + 1), (views, 1))
     theta_i, weight = panels(edges, L, least=24, roots=count)
     return _without_azimuth(theta_i, weight)
 
 
 def _without_azimuth(theta_i: FloatArray, weight: FloatArray) -> Quadrature:
+    """Return nodes in theta_i that stand for all azimuths."""
     arc = np.full_like(theta_i, np.pi)
     return Quadrature(theta_i, weight * np.sin(theta_i), arc, np.zeros(1), np.ones(1))
 
 
 def tabulate(transfer: Transfer, theta_v: FloatArray, gamma: FloatArray, nodes: Quadrature) -> FloatArray:
-    """rho_hat at the nodes, (views, K, I, channels): L and V carried from the frame of C to that of N."""
+    """Evaluate rho_hat at the nodes, (views, K, I, channels), L and V carried from C's frame to that of N."""
     views, K, I = nodes.shape
     step = max(_BLOCK // (K * I), 1)
     blocks = [slice(v, min(v + step, views)) for v in range(0, views, step)]
-    parts = [columns(transfer(*light_and_view(theta_v, gamma, nodes, at))) for at in blocks]
+    parts = [columns(transfer(*light_and_view(theta_v, gamma, nodes, block))) for block in blocks]
     return np.concatenate(parts).reshape(views, K, I, -1)
 
 
 def light_and_view(
-    theta_v: FloatArray, gamma: FloatArray, nodes: Quadrature, at: slice
+    theta_v: FloatArray, gamma: FloatArray, nodes: Quadrature, block: slice
 ) -> tuple[FloatArray, FloatArray]:
     """Return wi and wo at the nodes of some views, with phi in [0, arc], V at azimuth 0 about N.
 
     (views K I, 3) each, their components contiguous.
     """
     wi, wo = _core.directions(
-        theta_v=theta_v[at], gamma=gamma[at], theta_i=nodes.theta_i[at], arc=nodes.arc[at], share=nodes.share
+        theta_v=theta_v[block],
+        gamma=gamma[block],
+        theta_i=nodes.theta_i[block],
+        arc=nodes.arc[block],
+        share=nodes.share,
     )
     return wi.reshape(3, -1).T, wo.reshape(3, -1).T
 

@@ -1,4 +1,4 @@
-"""What every way of prefiltering returns: reflected radiance, point by point or as maps for a view.
+"""The result of every way of prefiltering: reflected radiance, point by point or as maps for a view.
 
 A reflection map for a view is indexed by a central direction C. Lobes about the reflection share one C for
 each normal, as do those about the normal and those about the tangent: their maps are summed. A lobe center is

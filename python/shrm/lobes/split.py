@@ -28,7 +28,7 @@ SplitLobe = TypeVar("SplitLobe", bound=IsotropicLobe | RadialLobe)
 class SplitFunction:
     """One of the two parts of a lobe's function or profile.
 
-    Equal where what it is made of is: what is kept for one is found again.
+    A value: parts are equal where the functions and heights are, so that what is kept for one is found again.
 
     Attributes
     ----------

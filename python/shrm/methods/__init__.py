@@ -1,1 +1,1 @@
-"""What prefiltering costs by each method, and which is the cheapest."""
+"""The cost of prefiltering by each method, and the cheapest."""

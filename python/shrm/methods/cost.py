@@ -1,10 +1,10 @@
-"""What prefiltering costs by each method, predicted, and which is the cheaper at a wanted error.
+"""The predicted cost of prefiltering by each method, and the cheapest method for a tolerance.
 
 In frequency space the cost grows with the degree, C_f = O(F S^2) [RH02 eq. 9]; by integration it falls with
-the lobe's solid angle, C_a = O(W S^4) [RH02 eq. 10], W ~ 1 / F^2. Below the crossover s* of exponents the
-one is to be preferred, above it the other. A descent in a pyramid of the light evaluates a lobe about as
-often for each texel of a map whatever lobe and light are [KVHS00 section 5.1]: it costs less than integration
-where the light has many texels, and a table and a search for its threshold more.
+the lobe's solid angle, C_a = O(W S^4) [RH02 eq. 10], W ~ 1 / F^2. Below a crossover s* of exponents
+frequency space is cheaper, above it integration. A descent in a pyramid of the light evaluates a lobe about
+equally often for each texel of a map, whatever lobe and light are [KVHS00 section 5.1]: it costs less than
+integration where the light has many texels, and a table and a search for its threshold more.
 
 The rates are seconds of one thread at 128 x 64 to 512 x 256 texels of light (`rates.csv`, with machine and
 commit; `bench/cost_rates.py` measures them); where another machine is faster, it is so for all methods, and
@@ -30,13 +30,16 @@ from shrm.lobes.reflection import Layout
 from shrm.validation import one_of, whole_number
 
 _COLORED = 2.0
-"""The time of a lobe of three channels by that of one of one."""
+"""Time of a lobe of three channels relative to that of a lobe of one."""
+
 _RING_WIDTH = 0.05
 """Half the width of a ring, radians, below which a descent evaluates it in inverse proportion more often."""
+
 _SEARCHED_MAPS, _SEARCHED_TEXELS = 3.0, 2e4
-"""What the search for a threshold costs: as many maps, and as many texels besides."""
+"""Cost of the search for a threshold: that of so many maps, and of so many texels besides."""
+
 _TEXELS_TO_A_WIDTH = 1.5
-"""How many texels of the light a lobe's half width must hold, for them to count as points."""
+"""Texels of the light in a lobe's half width from which on they may count as points."""
 
 
 @cache
@@ -61,7 +64,7 @@ def cheapest(
     F_max: int = F_MAX,
     P_max: int = P_MAX,
 ) -> Method:
-    """Return which method of prefiltering costs least, of those that are predicted to reach a tolerance.
+    """Return the method of prefiltering that costs least, of those that are predicted to reach a tolerance.
 
     Parameters
     ----------
@@ -76,14 +79,14 @@ def cheapest(
     layout : {"latlong", "cube"}
         The grid of the maps.
     views : int
-        For how many views a map is made.
+        Number of views for which a map is made.
     F_max, P_max : int
         Caps on the orders in frequency space; what needs more is left to the integrators.
 
     Returns
     -------
     {"frequency", "angular", "hierarchical"}
-        Meant for `shrm.prefilter`, `shrm.prefilter_angular` and `shrm.prefilter_hierarchical`.
+        The method of `shrm.prefilter`, `shrm.prefilter_angular` or `shrm.prefilter_hierarchical`.
 
     Raises
     ------
@@ -138,14 +141,12 @@ def angular_seconds(
     """Predict the time by integration: tables, and each texel of a map against those of the light in its cap.
 
     The cap is the one that holds all but the tolerance of the lobe's integral [RH02 appendix D].
-
     """
     rate = rates()
     seconds = rate["call"]
     for lobe in brdf.lobes:
         kind = lobe.kind
         pairs = texels * light_texels * share_visited(lobe, CUTOFF_OF_TOLERANCE * tolerance)
-
         by_symmetry = kind == "radial" and layout == "latlong"
         maps = 1 if kind == "radial" else views
         per_pair = rate[f"pair {kind}"] * (_COLORED if lobe.channels == 3 and kind == "isotropic" else 1.0)
