@@ -21,7 +21,7 @@ F, P, N, SIZE = 24, 3, 64, 512
 @pytest.fixture(scope="module")
 def renderer() -> Renderer:
     try:
-        return Renderer(SIZE)
+        return Renderer((SIZE, SIZE))
     except ContextError as fault:
         pytest.skip(str(fault))
 
@@ -34,7 +34,7 @@ def relit() -> Prefilter:
 
 def float_target(renderer: Renderer) -> moderngl.Framebuffer:
     """A picture of the renderer's size to draw into."""
-    gl, size = renderer.gl, (renderer.width, renderer.height)
+    gl, size = renderer.gl, renderer.shape[::-1]
     return gl.framebuffer([gl.texture(size, 4, dtype="f4")], gl.depth_renderbuffer(size))
 
 
@@ -76,7 +76,7 @@ def bench_frame(measured: Measured, renderer: Renderer, relit: Prefilter, viewer
         renderer.gl.finish()
 
     def error(_: None) -> float:
-        expected = render(objects, camera, SIZE, SIZE, background=env, viewer=viewer, samples=1)
+        expected = render(objects, camera, (SIZE, SIZE), background=env, viewer=viewer, samples=1)
         found = renderer.render(scene)
         seen = (found.coverage == 1) & (expected.coverage == 1)
         return relative_rms(found.radiance[seen], expected.radiance[seen])
@@ -89,7 +89,7 @@ def bench_frame(measured: Measured, renderer: Renderer, relit: Prefilter, viewer
 @pytest.mark.benchmark(group="renderer")
 def bench_dragged_light(measured: Measured, renderer: Renderer, relit: Prefilter) -> None:
     """Light that turns: coefficients rotated, maps made anew, and all of a frame of 16 x 16 pixels."""
-    small = Renderer(16, context=renderer.context)
+    small = Renderer((16, 16), context=renderer.context)
     camera, target = Camera((5.0, 0.0, 1.0)), float_target(small)
     again = Prefilter(Environment.daylight(size=512), brdf.GGX(0.3), orders=(F, P), size=N, layout="cube")
 

@@ -8,10 +8,16 @@ rendered in real time:
 >>> rm = shrm.prefilter(env, shrm.brdf.GGX(0.3), tolerance=0.05)
 >>> radiance = rm.radiance([[0.0, 0.0, 1.0]], [0.6, 0.0, 0.8])
 
-The modules in the order of the data: `image_io`, `environment`, `brdf`, `sh`, `orders`, `reflection_map`,
-`explicit`, `reference`, `hierarchical`, `cost`, `prefiltering`, `prefiltered`, `methods`, `relighting`,
-`directional_basis`, `brdf_matrix`, `tangent_frames`, `transfer`, `render`.
+The rooms in the order of the data: `image_io`, `environment`, `brdf`, `lobes`, `sh`, `integrate`,
+`frequency`, `methods`, `prefiltered`, `transfer`, `render`, `viewer`. The last two, which need meshes and
+OpenGL, are loaded when they are first asked for.
 """
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 from shrm import brdf, prefiltered, sh, transfer
 from shrm.environment import Environment
@@ -26,6 +32,9 @@ from shrm.integrate.hierarchical import prefilter_hierarchical
 from shrm.methods.cost import cheapest
 from shrm.prefiltered import explicit
 from shrm.version import __version__ as __version__
+
+if TYPE_CHECKING:
+    from shrm import render, viewer
 
 __all__ = [
     "Environment",
@@ -42,6 +51,22 @@ __all__ = [
     "prefilter_angular",
     "prefilter_hierarchical",
     "prefiltered",
+    "render",
     "sh",
     "transfer",
+    "viewer",
 ]
+
+_LOADED_LATER = ("render", "viewer")
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Load `shrm.render` or `shrm.viewer` when it is first asked for."""
+    if name in _LOADED_LATER:
+        return importlib.import_module(f"shrm.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Return the names of the module, those that are loaded later among them."""
+    return sorted({*globals(), *_LOADED_LATER})

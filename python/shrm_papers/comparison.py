@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from shrm.arrays import FloatArray
-from shrm.render import Picture, Reflection
+from shrm.render import Picture, SupportsRadiance
 from shrm.vectors import unit
 
 from shrm_papers.errors import relative_rms
@@ -36,7 +36,7 @@ class Representation:
         Number of its maps.
     nbytes : int
         Bytes of its maps as float32.
-    reflection : Reflection
+    reflection : SupportsRadiance
         The radiance that they give.
     """
 
@@ -44,7 +44,7 @@ class Representation:
     center: str
     maps: int
     nbytes: int
-    reflection: Reflection
+    reflection: SupportsRadiance
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ class Frames:
         V = cosine * N + np.sqrt(1 - cosine**2) * _across(N, rng)
         return cls(N, unit(V), _across(N, rng))
 
-    def radiance(self, reflection: Reflection) -> FloatArray:
+    def radiance(self, reflection: SupportsRadiance) -> FloatArray:
         """Return the radiance of a reflection in every frame, (n, 3)."""
         N, V, T = (np.ascontiguousarray(x, np.float32) for x in (self.normals, self.views, self.tangents))
         return reflection.radiance(N, V, tangents=T).astype(np.float64)
@@ -109,7 +109,7 @@ class Truth:
         The sphere.
     """
 
-    def __init__(self, exact: Reflection, view: View, pixels: int, frames: Frames):
+    def __init__(self, exact: SupportsRadiance, view: View, pixels: int, frames: Frames):
         self.picture = sphere(exact, view, pixels)
         self._view, self._pixels, self._frames = view, pixels, frames
         self._radiance = frames.radiance(exact)

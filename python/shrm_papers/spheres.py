@@ -13,8 +13,8 @@ from shrm.render import (
     Camera,
     Object,
     Picture,
-    Reflection,
     Sphere,
+    SupportsRadiance,
     automatic_exposure,
     display,
     render,
@@ -36,12 +36,12 @@ HEIGHT = 2.04
 """Of the picture in the sphere's radii: a margin of 2% around it."""
 
 
-def sphere(material: Reflection, view: View, pixels: int, samples: int = 2) -> Picture:
+def sphere(material: SupportsRadiance, view: View, pixels: int, samples: int = 2) -> Picture:
     """Draw a unit sphere that a distant viewer in the direction `view` sees, filling the picture."""
     x, y, z = view
     camera = Camera((DISTANCE * x, DISTANCE * y, DISTANCE * z), height=HEIGHT)
     ball = Object(Sphere((0.0, 0.0, 0.0)), material)
-    return render([ball], camera, pixels, pixels, viewer="distant", samples=samples, shading="pixel")
+    return render([ball], camera, (pixels, pixels), viewer="distant", samples=samples, shading="pixel")
 
 
 def brightest(env: Environment, F: int = 8) -> FloatArray:

@@ -51,7 +51,7 @@ def test_the_command_draws_what_the_library_does(shrm, sky, file, tmp_path):
     ):
         light = thing.light(env.coefficients(N - 1), about_vertical(70.0), window)
         lit = thing.lit(thing.transfer.lighting(variant, components=K, tents=tents), light, camera, viewer)
-        expected = render([Object(thing.mesh, lit)], camera, SIZE, SIZE, samples=1, viewer=viewer)
+        expected = render([Object(thing.mesh, lit)], camera, (SIZE, SIZE), samples=1, viewer=viewer)
         chosen = {"--variant": variant, "--components": K, "--tents": tents, "--window": window}
         given = [part for item in chosen.items() if item[1] is not None for part in item]
         where = "--turn", 20, "--light-turn", 70, "--view=35,-10", f"--{viewer}", "--no-background"

@@ -96,5 +96,17 @@ def test_importing_the_package_and_the_command_is_light() -> None:
     """Plots, meshes, windows and progress bars are loaded by the commands that need them."""
     code = "import sys, json, shrm, shrm.cli; print(json.dumps(sorted(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    heavy = {"matplotlib", "trimesh", "embreex", "moderngl", "scipy", "rich"}
+    heavy = {"matplotlib", "trimesh", "embreex", "moderngl", "scipy", "rich", "shrm.render", "shrm.viewer"}
     assert not heavy & set(json.loads(done.stdout))
+
+
+@pytest.mark.parametrize(("room", "name"), [("render", "Mesh"), ("viewer", "Renderer")])
+def test_pictures_and_the_viewer_are_attributes_of_the_package(room: str, name: str) -> None:
+    """They are loaded when they are first asked for, and listed before that."""
+    code = (
+        f"import sys, shrm; assert 'shrm.{room}' not in sys.modules and '{room}' in dir(shrm) and "
+        f"'{room}' in shrm.__all__; print(shrm.{room}.{name}.__name__); import shrm.{room} as again; "
+        f"assert again is shrm.{room} and not hasattr(shrm, 'nothing')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == name

@@ -87,11 +87,11 @@ def test_what_a_folder_lacks_is_named_in_a_line(shrm: Command, tmp_path: Path) -
 @pytest.mark.parametrize("panel", figure_1.PANELS, ids=lambda panel: panel.name)
 def test_the_object_fills_its_panel_and_stays_within(panel: figure_1.Panel) -> None:
     camera, mesh = figure_1.framed(SHAPE, panel)
-    x, y = camera.project(mesh.vertices, *figure_1.PANEL)
-    filled = max(np.ptp(part) / extent for part, extent in zip((x, y), figure_1.PANEL, strict=True))
+    x, y = camera.project(mesh.vertices, figure_1.PANEL)
+    filled = max(np.ptp(part) / extent for part, extent in zip((y, x), figure_1.PANEL, strict=True))
     assert filled == pytest.approx(figure_1.FILLED, rel=1e-9)
     # moved across the view at the distance of its center; nearer parts move by up to a third more
-    for part, extent in zip((x, y), figure_1.PANEL, strict=True):
+    for part, extent in zip((y, x), figure_1.PANEL, strict=True):
         assert part.min() > 0
         assert part.max() < extent
 

@@ -321,7 +321,7 @@ def test_the_knot_is_a_tube_about_a_trefoil():
 def test_the_object_fills_the_picture(scale):
     mesh = knot(48, 8)
     mesh = Mesh(mesh.vertices * scale, mesh.faces).placed(radius=1.0)
-    x, y = pictures.framed(mesh).project(mesh.vertices, 100, 100)
+    x, y = pictures.framed(mesh).project(mesh.vertices, (100, 100))
     assert min(x.min(), y.min()) > 0
     assert x.max() < 100
     assert y.max() < 92  # a line of text

@@ -1,7 +1,6 @@
 """Pictures: geometry against exact formulas, light against materials whose answer is known."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +16,7 @@ from shrm.render import (
     tangents_around,
     texture_lookup,
 )
-from support.data import require
+from support.pictures import Normals, icosphere
 
 Float32 = npt.NDArray[np.float32]
 
@@ -27,13 +26,6 @@ class Picture:
     """An environment that is only a picture."""
 
     pixels: Float32
-
-
-class Normals:
-    """A material that shows the normal."""
-
-    def radiance(self, normals: Float32, views: Float32, tangents: Float32 | None = None) -> Float32:
-        return normals
 
 
 class Constant:
@@ -73,13 +65,6 @@ def rotation(seed: int) -> npt.NDArray[np.float64]:
     return q * np.linalg.det(q)
 
 
-def icosphere(subdivisions: int) -> Mesh:
-    import trimesh
-
-    mesh = trimesh.creation.icosphere(subdivisions)
-    return Mesh(np.array(mesh.vertices), np.array(mesh.faces, np.int64))
-
-
 # --- look-ups -------------------------------------------------------------------------------------
 
 
@@ -111,120 +96,12 @@ def test_a_texture_starts_at_its_upper_left_corner() -> None:
     np.testing.assert_allclose(texture_lookup(texture, uv).ravel(), np.arange(6), atol=1e-6)
 
 
-# --- shapes ---------------------------------------------------------------------------------------
-
-
-def test_sphere_normals_are_exact() -> None:
-    rng = np.random.default_rng(3)
-    normals = rng.normal(size=(1000, 3))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    center, radius = np.array([0.3, -0.2, 5.0]), 0.7
-    inward = -normals + 0.9 * np.cross(normals, rng.normal(size=(1000, 3))) * 0.5
-    inward /= np.linalg.norm(inward, axis=1, keepdims=True)
-    hits = Sphere(tuple(center), radius).intersect(center + radius * normals - 4.0 * inward, inward)
-    np.testing.assert_allclose(hits.distances, 4.0, atol=1e-12)
-    np.testing.assert_allclose(hits.normals, normals, atol=1e-12)
-
-
-def test_rays_that_miss_or_look_away_hit_nothing() -> None:
-    origins = np.array([[2.0, 1.01, 0.0], [2.0, 0.0, 0.0]])
-    directions = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    assert not np.isfinite(Sphere().intersect(origins, directions).distances).any()
-    assert not np.isfinite(icosphere(1).intersect(origins, directions).distances).any()
-
-
-def test_inside_a_sphere_the_normal_faces_the_eye() -> None:
-    direction = np.array([[0.6, 0.0, 0.8]])
-    hits = Sphere().intersect(np.zeros((1, 3)), direction)
-    np.testing.assert_allclose(hits.normals, -direction, atol=1e-12)
-
-
-def test_a_mesh_sphere_agrees_with_the_exact_one() -> None:
-    camera = Camera((-5.0, 1.0, 2.0), fov=28.0)
-    exact = render([Object(Sphere(), Normals())], camera, 96, 96, samples=1)
-    meshed = render([Object(icosphere(5), Normals())], camera, 96, 96, samples=1)
-    both = (exact.coverage == 1.0) & (meshed.coverage == 1.0)
-    assert np.abs(exact.coverage - meshed.coverage).mean() < 2e-3
-    # Edges of length h = 2 / 2^5 leave a sagitta of h^2/8 = 5e-4 of a radius, and a hit that is
-    # early by it moves along the surface by at most sqrt(2 x 5e-4) = 0.03 at the silhouette.
-    difference = np.abs(exact.radiance - meshed.radiance)[both]
-    assert difference.max() < 0.05
-    assert difference.mean() < 1e-3
-
-
-def test_seams_do_not_show_and_degenerate_faces_are_tolerated() -> None:
-    smooth = icosphere(2)
-    split = Mesh(smooth.vertices[smooth.faces].reshape(-1, 3), np.arange(smooth.faces.size).reshape(-1, 3))
-    expected = smooth.vertex_normals[smooth.faces].reshape(-1, 3)
-    np.testing.assert_allclose(split.vertex_normals, expected, atol=1e-12)
-    with_sliver = Mesh(smooth.vertices, np.vstack([smooth.faces, [[0, 0, 1]]]))
-    np.testing.assert_allclose(with_sliver.vertex_normals, smooth.vertex_normals, atol=1e-12)
-
-
-def test_given_normals_are_used() -> None:
-    plane = np.array([[0.0, -9, -9], [0, 9, -9], [0, 0, 9]])
-    tilted = np.tile([-0.6, 0.0, 0.8], (3, 1))
-    mesh = Mesh(plane, np.array([[0, 1, 2]]), normals=tilted)
-    hits = mesh.intersect(np.array([[-3.0, 0, 0]]), np.array([[1.0, 0, 0]]))
-    np.testing.assert_allclose(hits.normals, tilted[:1], atol=1e-7)
-    np.testing.assert_allclose(hits.distances, 3.0, atol=1e-6)
-
-
-@pytest.mark.parametrize("name", ["spot.obj", "teapot.obj", "trimesh_bunny.ply"])
-def test_mesh_files_are_read_upright(name: str) -> None:
-    path = require(f"mesh/{name}")
-    mesh = Mesh.read(path).placed(radius=1.0)
-    assert np.abs(mesh.vertices).max() == pytest.approx(1.0)
-    lengths = np.linalg.norm(mesh.vertex_normals[np.unique(mesh.faces)], axis=1)
-    assert np.isclose(lengths, 1.0).mean() > 0.998  # the bunny has corners of slivers only
-    assert np.isin(np.round(lengths, 9), [0.0, 1.0]).all()
-    raw = Mesh.read(path, up="z")
-    np.testing.assert_allclose(
-        np.ptp(raw.vertices, axis=0)[[2, 0, 1]] / np.ptp(mesh.vertices, axis=0),
-        np.full(3, np.ptp(raw.vertices[:, 1]) / np.ptp(mesh.vertices[:, 2])),
-    )
-
-
-def test_a_file_with_normals_keeps_them(tmp_path: Path) -> None:
-    file = tmp_path / "plane.obj"
-    file.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0.6 0 0.8\nf 1//1 2//1 3//1\n")
-    np.testing.assert_allclose(Mesh.read(file, up="z").vertex_normals, np.tile([0.6, 0.0, 0.8], (3, 1)))
-    np.testing.assert_allclose(Mesh.read(file, up="y").vertex_normals, np.tile([-0.8, -0.6, 0.0], (3, 1)))
-
-
-@pytest.mark.parametrize("content", [b"", b"not a mesh", b"v 1 2\nf 1 2 3", b"v 0 0 0\nf 1 2 9"])
-def test_broken_mesh_files_are_named(tmp_path: Path, content: bytes) -> None:
-    file = tmp_path / "broken.obj"
-    file.write_bytes(content)
-    with pytest.raises(ValueError, match=r"broken\.obj: not a mesh"):
-        Mesh.read(file)
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        {"vertices": np.zeros((3, 2))},
-        {"vertices": np.full((3, 3), np.nan)},
-        {"faces": np.array([[0, 1, 3]])},
-        {"faces": np.zeros((0, 3), np.int64)},
-        {"normals": np.zeros((2, 3))},
-        {"uv": np.zeros((3, 3))},
-        {"tangents": np.zeros((3, 3))},
-        {"tangents": np.full((1, 3, 3), np.inf)},
-    ],
-)
-def test_meshes_are_checked_at_the_door(arguments: dict[str, npt.NDArray[np.float64]]) -> None:
-    good = {"vertices": np.eye(3), "faces": np.array([[0, 1, 2]])}
-    with pytest.raises(ValueError, match=next(iter(arguments))):
-        Mesh(**{**good, **arguments})
-
-
 # --- pictures -------------------------------------------------------------------------------------
 
 
 def test_coverage_of_an_orthographic_disc_is_its_area() -> None:
     camera = Camera((-5.0, 0.0, 0.0), height=4.0)
-    picture = render([Object(Sphere(), Constant())], camera, 64, 64, samples=4)
+    picture = render([Object(Sphere(), Constant())], camera, (64, 64), samples=4)
     # A lattice of 256 x 256 points counts a disc's area to about the lattice's step: 1/256.
     assert picture.coverage.mean() == pytest.approx(np.pi / 16.0, rel=4e-3)
     np.testing.assert_allclose(picture.radiance[..., 0], 0.5 * picture.coverage, atol=1e-6)
@@ -233,7 +110,7 @@ def test_coverage_of_an_orthographic_disc_is_its_area() -> None:
 def test_a_white_furnace_is_constant() -> None:
     camera = Camera((-5.0, 0.0, 0.0), fov=20.0)
     furnace = Picture(np.full((8, 16, 3), 0.5, np.float32))
-    picture = render([Object(Sphere(), Constant())], camera, 48, 32, background=furnace)
+    picture = render([Object(Sphere(), Constant())], camera, (32, 48), background=furnace)
     np.testing.assert_allclose(picture.radiance, 0.5, atol=1e-6)
 
 
@@ -241,7 +118,11 @@ def test_the_background_is_the_picture_unmirrored() -> None:
     """Looking along +x: the center of the picture ahead, its left part on the left, its top above."""
     pixels = smooth_picture(64, 128)
     picture = render(
-        [], Camera((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), fov=60.0), 65, 65, background=Picture(pixels), samples=1
+        [],
+        Camera((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), fov=60.0),
+        (65, 65),
+        background=Picture(pixels),
+        samples=1,
     )
     # Bilinear interpolation of functions of degree 2 on 64 rows: (pi/64)^2/8 x 2nd derivative (4).
     np.testing.assert_allclose(picture.radiance[32, 32], [2.0, 1.0, 1.0], atol=2e-3)
@@ -255,7 +136,7 @@ def test_a_mirror_shows_the_world_behind_the_camera() -> None:
     """The sphere's center shows what lies behind the eye; its left edge, what is to the left."""
     pixels = smooth_picture(128, 256)
     picture = render(
-        [Object(Sphere(), Mirror(pixels))], Camera((-9.0, 0.0, 0.0), height=2.0), 129, 129, samples=1
+        [Object(Sphere(), Mirror(pixels))], Camera((-9.0, 0.0, 0.0), height=2.0), (129, 129), samples=1
     )
     for (row, column), direction in {(64, 64): (-1, 0, 0), (64, 18): (0, 1, 0), (18, 64): (0, 0, 1)}.items():
         # At 45 degrees from the center, (1 - 1/sqrt2) of the radius from the edge, R is sideways.
@@ -276,8 +157,7 @@ def test_turning_everything_turns_nothing(viewer: str) -> None:
         render(
             [Object(shape, Mirror(light))],
             Camera(tuple(eye)),
-            40,
-            40,
+            (40, 40),
             viewer=viewer,
             background=Picture(light),
         )
@@ -296,10 +176,10 @@ def test_a_distant_viewer_has_one_view() -> None:
             return views
 
     camera = Camera((-3.0, 0.0, 0.0), fov=60.0)
-    distant = render([Object(Sphere(), Views())], camera, 32, 32, samples=1, viewer="distant")
+    distant = render([Object(Sphere(), Views())], camera, (32, 32), samples=1, viewer="distant")
     seen = distant.radiance[distant.coverage == 1.0]
     np.testing.assert_array_equal(seen, np.tile(np.float32([-1, 0, 0]), (len(seen), 1)))
-    near = render([Object(Sphere(), Views())], camera, 32, 32, samples=1)
+    near = render([Object(Sphere(), Views())], camera, (32, 32), samples=1)
     assert np.ptp(near.radiance[near.coverage == 1.0], axis=0).max() > 0.3
 
 
@@ -312,9 +192,9 @@ def test_shading_by_pixel_asks_less_and_shows_the_same() -> None:
             return normals
 
     camera = Camera((-5.0, 1.0, 2.0), fov=28.0)
-    fine = render([Object(Sphere(), Counting())], camera, 64, 64, samples=3)
+    fine = render([Object(Sphere(), Counting())], camera, (64, 64), samples=3)
     per_sample, Counting.asked = Counting.asked, 0
-    coarse = render([Object(Sphere(), Counting())], camera, 64, 64, samples=3, shading="pixel")
+    coarse = render([Object(Sphere(), Counting())], camera, (64, 64), samples=3, shading="pixel")
     assert Counting.asked == np.count_nonzero(coarse.coverage)
     assert per_sample > 8 * Counting.asked
     np.testing.assert_array_equal(fine.coverage, coarse.coverage)
@@ -327,7 +207,7 @@ def test_the_nearer_object_is_seen() -> None:
     near, far = Object(Sphere((-2.0, 0, 0), 0.5), Constant()), Object(Sphere(), Normals())
     camera = Camera((-8.0, 0, 0), height=2.0)
     for order in ([near, far], [far, near]):
-        center = render(order, camera, 9, 9, samples=1).radiance[4, 4]
+        center = render(order, camera, (9, 9), samples=1).radiance[4, 4]
         np.testing.assert_array_equal(center, np.float32([0.5, 0.5, 0.5]))
 
 
@@ -335,7 +215,7 @@ def test_a_texture_multiplies_the_reflected_light() -> None:
     texture = np.zeros((4, 8, 3), np.float32)
     texture[:, :4] = [1.0, 0.5, 0.25]  # u < 1/2: the sphere's half y < 0
     picture = render(
-        [Object(Sphere(), Constant(), texture)], Camera((9.0, 0, 0), height=2.0), 64, 64, samples=1
+        [Object(Sphere(), Constant(), texture)], Camera((9.0, 0, 0), height=2.0), (64, 64), samples=1
     )
     np.testing.assert_allclose(picture.radiance[32, 16], [0.5, 0.25, 0.125])  # seen from +x, -y is left
     np.testing.assert_array_equal(picture.radiance[32, 48], 0.0)
@@ -351,14 +231,14 @@ def test_tangents_are_tangent_and_of_unit_length_even_on_the_axis() -> None:
 
 
 def test_looking_straight_down_works() -> None:
-    picture = render([Object(Sphere(), Normals())], Camera((0, 0, 5.0)), 9, 9, samples=1)
+    picture = render([Object(Sphere(), Normals())], Camera((0, 0, 5.0)), (9, 9), samples=1)
     np.testing.assert_allclose(picture.radiance[4, 4], [0, 0, 1], atol=1e-6)
 
 
 @pytest.mark.parametrize(("width", "height"), [(1, 1), (7, 3), (3, 7)])
 def test_pictures_of_any_size_show_the_middle(width: int, height: int) -> None:
     camera = Camera((-8.0, 0, 0), height=2.0 * height)  # a pixel is as wide as the sphere
-    picture = render([Object(Sphere(), Constant())], camera, width, height, samples=32)
+    picture = render([Object(Sphere(), Constant())], camera, (height, width), samples=32)
     assert picture.radiance.shape == (height, width, 3)
     # The rim crosses 128 of 1024 samples; each is off by 0.3, or together by sqrt(128) 0.3 / 1024 = 0.003.
     assert picture.coverage[height // 2, width // 2] == pytest.approx(np.pi / 4.0, abs=0.01)
@@ -368,10 +248,10 @@ def test_pictures_of_any_size_show_the_middle(width: int, height: int) -> None:
 
 def test_bands_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
     objects, camera = [Object(Sphere(), Normals())], Camera((-4.0, 1.0, 1.0))
-    whole = render(objects, camera, 20, 31)
+    whole = render(objects, camera, (31, 20))
     monkeypatch.setattr("shrm.render.picture.RAYS_AT_ONCE", 200)
     done: list[float] = []
-    banded = render(objects, camera, 20, 31, progress=done.append)
+    banded = render(objects, camera, (31, 20), progress=done.append)
     np.testing.assert_array_equal(whole.radiance, banded.radiance)
     assert done == sorted(done)
     assert done[-1] == 1.0
@@ -380,14 +260,14 @@ def test_bands_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("changed", "name"),
     [
-        ({"width": 0}, "width"),
+        ({"shape": (8, 0)}, "shape"),
         ({"samples": 0}, "samples"),
         ({"viewer": "far"}, "viewer"),
         ({"shading": "x"}, "shading"),
     ],
 )
 def test_pictures_are_checked_at_the_door(changed: dict[str, object], name: str) -> None:
-    arguments = {"width": 8, "height": 8, **changed}
+    arguments = {"shape": (8, 8), **changed}
     with pytest.raises(ValueError, match=name):
         render([], Camera((1.0, 0, 0)), **arguments)
 
@@ -411,17 +291,17 @@ def test_projection_is_the_inverse_of_rays(height: float | None) -> None:
     camera = Camera((-4.0, 1.0, 2.0), (0.5, 0.2, 0.0), fov=50.0, height=height)
     rng = np.random.default_rng(5)
     columns, rows = rng.uniform(0.0, 60.0, 20), rng.uniform(0.0, 40.0, 20)
-    origins, directions = camera.rays(columns, rows, 60, 40)
+    origins, directions = camera.rays(columns, rows, (40, 60))
     points = origins + rng.uniform(1.0, 9.0, (20, 1)) * directions
-    np.testing.assert_allclose(camera.project(points, 60, 40), [columns, rows], atol=1e-9)
+    np.testing.assert_allclose(camera.project(points, (40, 60)), [columns, rows], atol=1e-9)
 
 
 @pytest.mark.parametrize("aspect", [0.5, 1.0, 6.0])
 def test_a_row_is_in_the_picture(aspect: float) -> None:
     width, height = (int(40 * aspect), 40) if aspect >= 1.0 else (40, int(40 / aspect))
     camera, centers = row_camera(4, aspect, azimuth=70.0, elevation=20.0)
-    picture = render([Object(Sphere(center), Constant()) for center in centers], camera, width, height)
+    picture = render([Object(Sphere(center), Constant()) for center in centers], camera, (height, width))
     for edge in (picture.coverage[0], picture.coverage[-1], picture.coverage[:, 0], picture.coverage[:, -1]):
         assert not edge.any()
-    columns = camera.project(centers, width, height)[0]
+    columns = camera.project(centers, (height, width))[0]
     assert np.all(np.diff(columns) > 0.0)  # from left to right

@@ -11,6 +11,7 @@ from shrm import brdf, prefilter
 from shrm.environment import Environment
 from shrm.render import Camera, Mesh, Object, Sphere, render, tangents_around
 from shrm.render.line_field import aligned, orthogonalised
+from support.pictures import icosphere
 
 Array = npt.NDArray[np.float64]
 
@@ -53,13 +54,6 @@ def around_the_tube(p: Array) -> Array:
 def around_the_vertical(p: Array) -> Array:
     r = np.hypot(p[..., 0], p[..., 1])
     return np.stack([-p[..., 1] / r, p[..., 0] / r, 0.0 * r], axis=-1)
-
-
-def icosphere(subdivisions: int, axes: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Mesh:
-    import trimesh
-
-    mesh = trimesh.creation.icosphere(subdivisions)
-    return Mesh(np.array(mesh.vertices) * axes, np.array(mesh.faces, np.int64))
 
 
 def rotation(seed: int) -> Array:
@@ -406,7 +400,7 @@ def test_signs_of_tangents_do_not_show_in_a_picture(shading: str) -> None:
     assert mesh.tangents is not None
     signs = np.random.default_rng(10).choice([-1.0, 1.0], (len(mesh.faces), 1, 1))
     pictures = [
-        render([Object(each, Lines())], camera, 48, 48, samples=3, shading=shading)
+        render([Object(each, Lines())], camera, (48, 48), samples=3, shading=shading)
         for each in (mesh, replace(mesh, tangents=signs * mesh.tangents))
     ]
     np.testing.assert_allclose(pictures[0].radiance, pictures[1].radiance, atol=1e-6)
@@ -416,7 +410,7 @@ def test_signs_of_tangents_do_not_show_in_a_picture(shading: str) -> None:
 def test_shading_once_a_pixel_agrees_with_shading_each_sample() -> None:
     mesh, camera = torus(24).with_tangents("uv"), Camera((4.0, 2.0, 1.5), fov=32.0)
     each, once = (
-        render([Object(mesh, Lines())], camera, 64, 64, samples=3, shading=shading).radiance
+        render([Object(mesh, Lines())], camera, (64, 64), samples=3, shading=shading).radiance
         for shading in ("sample", "pixel")
     )
     # A pixel is 0.04 wide: tangents within it differ by so much over the radius 1, far from silhouettes.

@@ -23,7 +23,7 @@ from support.machine import require
 SCREENSHOTS = Path(__file__).parents[2] / "build" / "screenshots"
 
 SECONDS = 100.0
-SIZE = (WIDTH + 200, 240)
+SHAPE = (240, WIDTH + 200)
 WHOLE_PANEL = 900  # rows, so that no control is scrolled out of sight
 MIDDLE = (WIDTH + 100.0, 120.0)
 Pixels = npt.NDArray[np.uint8]
@@ -139,10 +139,10 @@ def windows(sky: Path, folder: Path, test: str) -> Iterator[Opened]:
     """Open windows, which are closed afterwards; the last look at them stays in a file named by the test."""
     opened = []
 
-    def open_(height: int = SIZE[1], **changes: object) -> Hands:
+    def open_(height: int = SHAPE[0], **changes: object) -> Hands:
         given = {"environment": str(sky), "materials": ("ggx:0.4",), **changes}
         state = State(**given)  # type: ignore[arg-type]
-        hands = Hands(Application(state, SIZE[0], height, visible=False, folder=folder))
+        hands = Hands(Application(state, (height, SHAPE[1]), visible=False, folder=folder))
         opened.append(hands)
         hands.settle()
         return hands

@@ -10,7 +10,7 @@ WIDTH, HEIGHT = 640, 480
 
 
 def seen_at(camera: Camera, point: np.ndarray) -> np.ndarray:
-    columns, rows = camera.project(point[None], WIDTH, HEIGHT)
+    columns, rows = camera.project(point[None], (HEIGHT, WIDTH))
     return np.array([columns[0], rows[0]])
 
 

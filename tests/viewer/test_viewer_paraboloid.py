@@ -37,7 +37,7 @@ def known(size: int, border: int, center: str = "reflection") -> ParaboloidMap:
 @pytest.fixture(scope="module", params=["egl", "osmesa"])
 def renderer(request: pytest.FixtureRequest) -> Iterator[Renderer]:
     context = opengl.context(request.param)
-    made = Renderer(PIXELS, context=context)
+    made = Renderer((PIXELS, PIXELS), context=context)
     yield made
     assert made.gl.error == "GL_NO_ERROR"
     made.release()
@@ -99,8 +99,7 @@ def compared(renderer: Renderer, scene: Scene, expected: ParaboloidMaps) -> floa
     wanted = render(
         [replace(thing, material=expected) for thing in scene.objects],
         scene.camera,
-        PIXELS,
-        PIXELS,
+        (PIXELS, PIXELS),
         viewer=scene.viewer,
         samples=1,
     )
@@ -148,7 +147,7 @@ def test_maps_are_drawn_beside_others_and_follow_the_light(renderer):
 
 
 def test_nothing_piles_up_on_the_gpu(renderer):
-    fresh = Renderer(16, context=renderer.context)
+    fresh = Renderer((16, 16), context=renderer.context)
     counts = set()
     for frame in range(20):
         maps = ParaboloidMaps([known(16 + frame % 3, 2)])

@@ -41,7 +41,7 @@ def contexts() -> Iterator[dict[str, Context]]:
 
 @pytest.fixture(scope="module", params=["egl", "osmesa"])
 def renderer(request, contexts) -> Renderer:
-    return Renderer(SIZE, context=contexts[request.param])
+    return Renderer((SIZE, SIZE), context=contexts[request.param])
 
 
 class Bilinear:
@@ -61,8 +61,7 @@ def compared(renderer: Renderer, scene: Scene) -> float:
     expected = render(
         objects,
         scene.camera,
-        renderer.width,
-        renderer.height,
+        renderer.shape,
         background=scene.background,
         viewer=scene.viewer,
         samples=renderer.samples,
@@ -188,7 +187,7 @@ def test_clamped_maps_are_clamped_lobe_by_lobe(renderer, technique):
 def test_orthographic_rays_begin_at_the_eye(renderer, glossy, shape, x):
     camera = Camera((x, 0.1, 0.1), target=(x - 1.0, 0.1, 0.1), height=2.5)
     found = renderer.render(Scene([Object(shape, glossy)], camera))
-    expected = render([Object(shape, Bilinear(glossy))], camera, SIZE, SIZE, samples=1)
+    expected = render([Object(shape, Bilinear(glossy))], camera, (SIZE, SIZE), samples=1)
     assert np.mean(found.coverage != expected.coverage) < 0.01
     both = (found.coverage == 1) & (expected.coverage == 1)
     assert both.any() == (x > -0.6)
@@ -200,7 +199,7 @@ def test_more_maps_than_textures_have_layers_are_said(renderer, glossy, monkeypa
         renderer.gl.info, "GL_MAX_ARRAY_TEXTURE_LAYERS", 6 * glossy.parts[0].rings.shape[1] - 1
     )
     again = replace(glossy, parts=tuple(replace(part) for part in glossy.parts))
-    fresh = Renderer(8, context=renderer.context)
+    fresh = Renderer((8, 8), context=renderer.context)
     with pytest.raises(ValueError, match="use a smaller P, or a distant viewer"):
         fresh.render(Scene([Object(Sphere(), again)], CAMERA))
     assert fresh.render(Scene([Object(Sphere(), again)], CAMERA, None, "distant")).radiance.any()
@@ -213,7 +212,8 @@ def test_both_ways_to_opengl_draw_the_same_pixels(contexts):
     for viewer in ("near", "distant"):
         scene = Scene([Object(Sphere(), rm), Object(torus(), rm)], CAMERA, env, viewer)
         pictures = [
-            Renderer(SIZE, context=context).render(scene) for context in (contexts["egl"], contexts["osmesa"])
+            Renderer((SIZE, SIZE), context=context).render(scene)
+            for context in (contexts["egl"], contexts["osmesa"])
         ]
         np.testing.assert_array_equal(pictures[0].radiance, pictures[1].radiance)
         np.testing.assert_array_equal(pictures[0].coverage, pictures[1].coverage)
@@ -247,6 +247,15 @@ def test_meshes_are_those_of_the_cpu(renderer, glossy):
     # Rasterised and traced rays meet the same triangles; normals are interpolated in float32 and float64.
     for viewer in ("near", "distant"):
         assert compared(renderer, Scene([Object(torus(), glossy)], CAMERA, None, viewer)) < 5e-3
+
+
+def test_a_mesh_of_trimesh_is_drawn(renderer, glossy):
+    import trimesh
+
+    ours = torus()
+    theirs = trimesh.Trimesh(ours.vertices, ours.faces, vertex_normals=ours.vertex_normals, process=False)
+    pictures = [renderer.render(Scene([Object(shape, glossy)], CAMERA)).radiance for shape in (ours, theirs)]
+    np.testing.assert_allclose(*pictures, atol=1e-6)
 
 
 @pytest.mark.parametrize("viewer", ["near", "distant"])
@@ -316,7 +325,7 @@ def test_samples_are_averaged_where_the_cpu_has_them(contexts, glossy):
     scene = Scene([Object(Sphere(), glossy)], CAMERA, Environment.daylight(size=64))
     found = renderer.render(scene)
     expected = render(
-        [Object(Sphere(), Bilinear(glossy))], CAMERA, 40, 30, background=scene.background, samples=3
+        [Object(Sphere(), Bilinear(glossy))], CAMERA, (30, 40), background=scene.background, samples=3
     )
     np.testing.assert_allclose(found.coverage, expected.coverage, atol=1e-6)
     assert oracles.relative_rms(found.radiance, expected.radiance) < 1e-4
@@ -330,7 +339,7 @@ def test_the_background_turns_with_the_light(renderer, glossy):
     nothing = [Object(Sphere((0, 0, -50.0), 0.1), glossy)]
     turned = renderer.render(Scene(nothing, CAMERA, env, rotation=R))
     rows, columns = np.meshgrid(np.arange(SIZE) + 0.5, np.arange(SIZE) + 0.5, indexing="ij")
-    _, d = CAMERA.rays(columns.ravel(), rows.ravel(), SIZE, SIZE)
+    _, d = CAMERA.rays(columns.ravel(), rows.ravel(), (SIZE, SIZE))
     expected = environment_lookup(env.pixels, d @ R)  # L'(w) = L(R^T w)
     assert oracles.relative_rms(turned.radiance.reshape(-1, 3), expected) < 1e-3
 
@@ -370,7 +379,7 @@ def test_lat_long_maps_are_made_anew_as_cubes(renderer, glossy):
 
 def test_nothing_piles_up_on_the_gpu(contexts):
     env = Environment.daylight(size=32)
-    renderer = Renderer(16, context=contexts["egl"])
+    renderer = Renderer((16, 16), context=contexts["egl"])
     maps = [
         prefilter(env, brdf.GGX(a), orders=(4, p), size=8, layout="cube") for a, p in ((0.3, 1), (0.5, 2))
     ]
@@ -383,14 +392,21 @@ def test_nothing_piles_up_on_the_gpu(contexts):
     assert renderer.gl.error == "GL_NO_ERROR"
 
 
+class Plane:
+    """A shape for rays alone."""
+
+    def intersect(self, origins, directions):
+        raise NotImplementedError
+
+
 def test_what_cannot_be_drawn_is_said(contexts, glossy):
-    renderer = Renderer(8, context=contexts["egl"])
+    renderer = Renderer((8, 8), context=contexts["egl"])
     env = Environment.daylight(size=32)
     with pytest.raises(TypeError, match=r"to be drawn by the GPU, got Angular"):
         renderer.render(Scene([Object(Sphere(), prefilter_angular(env, brdf.Phong(4)))], CAMERA))
-    with pytest.raises(TypeError, match="a Mesh or a Sphere to be drawn, got NoneType"):
-        renderer.render(Scene([Object(None, glossy)], CAMERA))
-    with pytest.raises(ValueError, match=r"shape must be in \[1, 16384\], got 0"):
+    with pytest.raises(TypeError, match="a Mesh or a Sphere to be drawn, got Plane"):
+        renderer.render(Scene([Object(Plane(), glossy)], CAMERA))
+    with pytest.raises(ValueError, match=r"shape\[1\] must be in \[1, 16384\], got 0"):
         Renderer((4, 0), context=renderer.context)
 
 

@@ -16,7 +16,7 @@ from shrm.viewer import Context, Renderer, Scene
 from shrm.viewer.window.state import State
 from support import opengl, oracles
 from support.transfer_objects import COMPONENTS, GLOSSY, M, N, broken, globe, transferred
-from support.window_driver import MIDDLE, SIZE, WHOLE_PANEL, Application, Hands, Opened, glfw, same
+from support.window_driver import MIDDLE, SHAPE, WHOLE_PANEL, Application, Hands, Opened, glfw, same
 
 
 @pytest.fixture
@@ -35,8 +35,7 @@ def expected(hands: Hands, path: Path, sky: Path) -> np.ndarray:
     light = thing.light(env.coefficients(N - 1), state.R, state.window)
     lighting = transfer.lighting(state.variant, components=state.components, tents=state.tents)
     lit = thing.lit(lighting, light, state.eye.camera, state.viewer)
-    width, height = hands.app.screen.size
-    return render([Object(thing.mesh, lit)], state.eye.camera, width, height, samples=3).radiance
+    return render([Object(thing.mesh, lit)], state.eye.camera, hands.app.screen.shape, samples=3).radiance
 
 
 def matches(hands: Hands, path: Path, sky: Path) -> bool:
@@ -191,7 +190,7 @@ def test_plain_shading_is_integrated_in_the_same_light(
     light = Environment(sh.synthesis(damped, (90, 180)).astype(np.float32)).rotated(about_vertical(50.0))
     mesh = TransferredMesh.placed(RadianceTransfer.load(tmp_path / "globe.shrt")).mesh
     rows, columns = np.array([100.5, 110.5, 120.5, 135.5]), np.array([100.5, 85.5, 115.5, 105.5])
-    origins, directions = app.state.eye.camera.rays(columns, rows, 200, 240)
+    origins, directions = app.state.eye.camera.rays(columns, rows, (240, 200))
     hits = mesh.intersect(origins, directions)
     assert hits.tangents is not None
     there = integrate(light, material, hits.normals, -directions, hits.tangents)
@@ -280,7 +279,7 @@ def test_the_state_is_saved_and_opened(opened: Opened, file: Path, tmp_path: Pat
 
 def test_the_first_object_that_is_broken_ends_it(screen: None, tmp_path: Path, sky: Path) -> None:
     state = State(environment=str(sky), transfer=str(tmp_path / "missing.shrt"))
-    app = Application(state, *SIZE, visible=False)
+    app = Application(state, SHAPE, visible=False)
     with pytest.raises((OSError, ValueError), match="missing"):
         app.run()
     app.close()
@@ -311,12 +310,12 @@ def test_radiance_at_vertices_is_drawn_as_on_the_cpu(context: Context, camera: C
     texture = np.linspace(0.5, 1.0, 48, dtype=np.float32).reshape(4, 4, 3)
     places, place = np.unique(vertices, axis=0, return_inverse=True)  # on the seam both sides have the same
     values = np.random.default_rng(0).random((len(places), 3)).astype(np.float32)[place.reshape(-1)]
-    with Renderer(96, samples=2, context=context) as renderer:
+    with Renderer((96, 96), samples=2, context=context) as renderer:
         for radiance in (values, 1.0 - values):
             for shown in (None, texture):
                 things = [Object(mesh, VertexRadiance(radiance), shown)]
                 found = renderer.render(Scene(things, camera))
-                there = render(things, camera, 96, 96, samples=2)
+                there = render(things, camera, (96, 96), samples=2)
                 both = (found.coverage == 1) & (there.coverage == 1)
                 assert both.sum() > 0.9 * max((found.coverage == 1).sum(), 1)
                 assert oracles.relative_rms(found.radiance[both], there.radiance[both]) < 1e-3

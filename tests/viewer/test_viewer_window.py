@@ -16,7 +16,7 @@ from shrm.render import display
 from shrm.viewer.gpu.context import ContextError
 from shrm.viewer.window.choices import TECHNIQUES
 from shrm.viewer.window.state import UNTURNED, State
-from support.window_driver import GL, MIDDLE, SIZE, WHOLE_PANEL, WIDTH, Application, Opened, glfw, same
+from support.window_driver import GL, MIDDLE, SHAPE, WHOLE_PANEL, WIDTH, Application, Opened, glfw, same
 
 
 def test_it_shows_the_objects_as_the_renderer_tone_maps_them(opened: Opened) -> None:
@@ -160,12 +160,12 @@ def test_resizing_and_hiding_the_panel(opened: Opened) -> None:
     assert hands.app.screen.picture().radiance.shape == (260, 300, 3)
     hands.press(glfw.KEY_TAB)
     assert hands.look().shape == (260, WIDTH + 300, 3)
-    glfw.set_window_size(hands.app.window, *SIZE)
+    glfw.set_window_size(hands.app.window, *SHAPE[::-1])
     hands.press(glfw.KEY_TAB)
     assert hands.look().shape == (240, 200, 3)
     glfw.set_window_size(hands.app.window, 100, 100)  # narrower than the panel
     hands.settle()
-    glfw.set_window_size(hands.app.window, *SIZE)
+    glfw.set_window_size(hands.app.window, *SHAPE[::-1])
     hands.settle()
     assert hands.look().shape == (240, 200, 3)
 
@@ -325,7 +325,7 @@ def test_five_hundred_frames_leave_as_many_objects_on_the_gpu(opened: Opened) ->
 
 
 def test_the_first_fault_ends_it(screen: None, tmp_path: Path) -> None:
-    app = Application(State(environment=str(tmp_path / "missing.hdr")), *SIZE, visible=False)
+    app = Application(State(environment=str(tmp_path / "missing.hdr")), SHAPE, visible=False)
     with pytest.raises((OSError, ValueError), match="missing"):
         app.run()
     app.close()

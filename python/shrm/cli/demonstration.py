@@ -20,13 +20,13 @@ from shrm.render import (
     Camera,
     Object,
     Picture,
-    Reflection,
     Sphere,
+    SupportsRadiance,
     automatic_exposure,
     display,
     render,
     row_camera,
-    row_picture,
+    row_shape,
 )
 from shrm.render.camera import Vector
 from shrm.vectors import unit
@@ -92,8 +92,8 @@ def make_demo(
     say = progress or (lambda done: None)
     env = daylight(ROWS)
 
-    frequency: list[Reflection] = []
-    integrated: list[Reflection] = []
+    frequency: list[SupportsRadiance] = []
+    integrated: list[SupportsRadiance] = []
     results = []
     for index, (name, text) in enumerate(MATERIALS.items()):
         brdf = parse(text)
@@ -133,38 +133,36 @@ def daylight(rows: int) -> Environment:
 
 
 def draw(
-    materials: list[Reflection], sky: Environment, diameter: int, progress: Callable[[float], None]
+    materials: list[SupportsRadiance], sky: Environment, diameter: int, progress: Callable[[float], None]
 ) -> Picture:
     """Draw spheres of the materials in a row, the sky behind them."""
-    width, height, camera, centers = row_of(len(materials), diameter)
+    shape, camera, centers = row_of(len(materials), diameter)
     objects = [Object(Sphere(center), material) for center, material in zip(centers, materials, strict=True)]
-    return render(
-        objects, camera, width, height, background=sky, samples=3, shading="pixel", progress=progress
-    )
+    return render(objects, camera, shape, background=sky, samples=3, shading="pixel", progress=progress)
 
 
-def row_of(count: int, diameter: int) -> tuple[int, int, Camera, list[Vector]]:
-    """Width and height of the picture, the camera, and the spheres' centers.
+def row_of(count: int, diameter: int) -> tuple[tuple[int, int], Camera, list[Vector]]:
+    """Return the shape (H, W) of the picture, the camera, and the spheres' centers.
 
     There is room for captions below; the camera looks up, so that the ground behind them ends there.
     """
-    width, height = row_picture(count, diameter)
-    height += round(0.4 * diameter)
-    return width, height, *row_camera(count, width / height, elevation=-3.0, fov=36.0)
+    H, W = row_shape(count, diameter)
+    H += round(0.4 * diameter)
+    return (H, W), *row_camera(count, W / H, elevation=-3.0, fov=36.0)
 
 
 def labelled(pixels: npt.NDArray[np.uint8], captions: list[str], diameter: int) -> npt.NDArray[np.uint8]:
     """Write each material's name and a caption below its sphere."""
-    width, height, camera, centers = row_of(len(captions), diameter)
-    columns = camera.project(centers, width, height)[0]
+    shape, camera, centers = row_of(len(captions), diameter)
+    columns = camera.project(centers, shape)[0]
     size = diameter // 10
     for name, caption, column in zip(MATERIALS, captions, columns, strict=True):
-        pixels = draw_text(pixels, name, round(column), height - 2 * size, size)
-        pixels = draw_text(pixels, caption, round(column), height - 3 * size // 4, size - size // 5)
+        pixels = draw_text(pixels, name, round(column), shape[0] - 2 * size, size)
+        pixels = draw_text(pixels, caption, round(column), shape[0] - 3 * size // 4, size - size // 5)
     return pixels
 
 
-def relative_rms(a: Reflection, b: Reflection, about_tangent: bool) -> float:
+def relative_rms(a: SupportsRadiance, b: SupportsRadiance, about_tangent: bool) -> float:
     """Relative RMS difference of a from b over random frames.
 
     The measure is the one that predicted errors use: R uniform on the sphere and cos^2 of the view's

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from shrm.frequency.reflection_map import ReflectionMap
     from shrm.frequency.relight import Prefilter
     from shrm.prefiltered import Prefiltered
-    from shrm.render import Camera, Object, Reflection
+    from shrm.render import Camera, Object, SupportsRadiance
 
 FREQUENCY_TOLERANCE = 0.05
 """Relative RMS of the reflected radiance, unless --tolerance is given."""
@@ -37,7 +37,7 @@ class MaterialStage(Stage):
         ]
         self._materials = [self._prefiltered(material) for material in row]
 
-    def _prefiltered(self, material: BRDF | ReflectionMap | Prefiltered) -> Prefilter | Reflection:
+    def _prefiltered(self, material: BRDF | ReflectionMap | Prefiltered) -> Prefilter | SupportsRadiance:
         """Prefilter a material by the method or technique that the options name."""
         from shrm.brdf import BRDF
         from shrm.integrate.angular import prefilter_angular

@@ -194,7 +194,8 @@ def _add_camera(group: Arguments) -> None:
 def _add_picture(group: Arguments) -> None:
     group.add_argument(
         "--size",
-        type=values.extent,
+        dest="shape",
+        type=values.shape,
         metavar="WxH",
         help="pixels (default: 416 rows, as wide as the row needs)",
     )
@@ -255,7 +256,7 @@ def _write(stage: Stage, options: argparse.Namespace) -> None:
             report((frame + 1) / frames)
     names = str(paths[0]) if frames == 1 else f"{paths[0]} to {paths[-1].name}"
     encoding = "linear" if exposure is None else f"exposure {exposure:+.2f}"
-    print(f"{names}: {stage.width} x {stage.height}, {encoding}")
+    print(f"{names}: {stage.shape[1]} x {stage.shape[0]}, {encoding}")
 
 
 def _saved_maps(path: str) -> ReflectionMap | Prefiltered:

@@ -33,8 +33,8 @@ class Stage(ABC):
         The light before it is turned.
     texture : (H, W, 3) float32 or None
         Multiplies the reflected light.
-    width, height : int
-        Pixels of the pictures.
+    shape : (H, W)
+        Rows and columns of the pictures.
     camera : Camera
         The camera before it is turned.
     centers : list of 3 floats
@@ -43,15 +43,16 @@ class Stage(ABC):
 
     def __init__(self, options: argparse.Namespace, count: int) -> None:
         from shrm import image_io
-        from shrm.render import row_camera, row_picture
+        from shrm.render import row_camera, row_shape
 
         self.options = options
         self.env = read_environment(options)
         self.texture = None if options.texture is None else image_io.read_image(options.texture).pixels
-        extent: tuple[int, int] = options.size or row_picture(count, diameter=DIAMETER)
-        self.width, self.height = extent
+        self.shape: tuple[int, int] = options.shape or row_shape(count, diameter=DIAMETER)
         azimuth, elevation = options.view
-        camera, self.centers = row_camera(count, self.width / self.height, azimuth, elevation, options.fov)
+        camera, self.centers = row_camera(
+            count, self.shape[1] / self.shape[0], azimuth, elevation, options.fov
+        )
         self.camera = camera.zoomed(options.zoom)
 
     @abstractmethod
@@ -82,8 +83,7 @@ class Stage(ABC):
         return render(
             objects,
             camera,
-            self.width,
-            self.height,
+            self.shape,
             background=background,
             viewer=options.viewer,
             samples=options.samples,
@@ -95,4 +95,4 @@ class Stage(ABC):
         """The renderer on the GPU, made when the first picture is drawn."""
         from shrm.viewer import Renderer
 
-        return Renderer((self.height, self.width), samples=self.options.samples, map_size=GPU_MAP_SIZE)
+        return Renderer(self.shape, samples=self.options.samples, map_size=GPU_MAP_SIZE)

@@ -66,12 +66,12 @@ def orders(text: str) -> tuple[int, int]:
     return int(parts[0]), int(parts[1])
 
 
-def extent(text: str) -> tuple[int, int]:
-    """Read a width and a height, WxH."""
+def shape(text: str) -> tuple[int, int]:
+    """Read a width and a height, WxH, as the shape (H, W)."""
     parts = text.lower().split("x")
     if len(parts) != 2:
         raise refusal(text, "WxH, such as 1280x720")
-    return count(parts[0]), count(parts[1])
+    return count(parts[1]), count(parts[0])
 
 
 def view(text: str) -> tuple[float, float]:

@@ -126,8 +126,9 @@ def _add_window(group: Arguments) -> None:
     )
     group.add_argument(
         "--size",
-        type=values.extent,
-        default=(1280, 900),
+        dest="shape",
+        type=values.shape,
+        default=(900, 1280),
         metavar="WxH",
         help="pixels of the window (default: 1280x900)",
     )
@@ -147,7 +148,7 @@ def run(options: argparse.Namespace) -> None:
         open_transfer(first.transfer, options, [options.variant])
     from shrm.viewer.window.app import Application
 
-    application = Application(first, *options.size, state_file=options.state and Path(options.state))
+    application = Application(first, options.shape, state_file=options.state and Path(options.state))
     try:
         application.run()
     finally:

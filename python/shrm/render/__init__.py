@@ -5,13 +5,13 @@ transferred, row, turntable, output
 """
 
 from shrm.environment.lookup import environment_lookup, texture_lookup
-from shrm.render.camera import Camera
+from shrm.render.camera import Camera, Viewer
 from shrm.render.line_field import tangents_around
 from shrm.render.mesh import Mesh
 from shrm.render.output import write_picture
-from shrm.render.picture import Object, Picture, Reflection, render
+from shrm.render.picture import Background, Object, Picture, Shading, SupportsRadiance, render
 from shrm.render.placement import Placement, about_vertical
-from shrm.render.row import row_camera, row_picture
+from shrm.render.row import row_camera, row_shape
 from shrm.render.shapes import Hits, Shape, Sphere
 from shrm.render.tangents import Tangents, principal_tangents, uv_tangents
 from shrm.render.tonemap import automatic_exposure, display, srgb
@@ -20,18 +20,21 @@ from shrm.render.turntable import numbered, turned_camera
 from shrm.render.vertex_radiance import VertexRadiance
 
 __all__ = [
+    "Background",
     "Camera",
     "Hits",
     "Mesh",
     "Object",
     "Picture",
     "Placement",
-    "Reflection",
+    "Shading",
     "Shape",
     "Sphere",
+    "SupportsRadiance",
     "Tangents",
     "TransferredMesh",
     "VertexRadiance",
+    "Viewer",
     "about_vertical",
     "automatic_exposure",
     "display",
@@ -40,7 +43,7 @@ __all__ = [
     "principal_tangents",
     "render",
     "row_camera",
-    "row_picture",
+    "row_shape",
     "srgb",
     "tangents_around",
     "texture_lookup",

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import FloatArray
+from shrm.validation import positive, real_array
 
 Vector = tuple[float, float, float]
+
+Viewer = Literal["near", "distant"]
+"""Whether each point has its own view vector, or all have the camera's."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +33,7 @@ class Camera:
 
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         If the camera looks nowhere (position equals target), or fov or height is out of range.
     """
 
@@ -38,15 +43,12 @@ class Camera:
     height: float | None = None
 
     def __post_init__(self) -> None:
-        offset = np.subtract(self.target, self.position)
-        if offset.shape != (3,) or not np.isfinite(offset).all() or not offset.any():
-            raise ValueError(
-                f"position and target are {self.position} and {self.target}, but need to be two finite points"
-            )
-        if not 0.0 < self.fov < 180.0:
-            raise ValueError(f"fov is {self.fov}, but needs to be between 0 and 180 degrees")
-        if self.height is not None and not 0.0 < self.height < np.inf:
-            raise ValueError(f"height is {self.height}, but needs to be positive")
+        position, target = (real_array(name, getattr(self, name), (3,)) for name in ("position", "target"))
+        if not (target - position).any():
+            raise ValueError(f"target must be another point than position, got {self.target} for both")
+        positive("fov", self.fov, below=180.0)
+        if self.height is not None:
+            positive("height", self.height)
 
     @property
     def forward(self) -> FloatArray:
@@ -70,25 +72,27 @@ class Camera:
         return replace(self, fov=math.degrees(2.0 * math.atan(reach)), height=height)
 
     def rays(
-        self, columns: FloatArray, rows: FloatArray, width: int, height: int
+        self, columns: FloatArray, rows: FloatArray, shape: tuple[int, int]
     ) -> tuple[FloatArray, FloatArray]:
-        """Rays through points of a picture.
+        """Return rays through points of a picture.
 
         Parameters
         ----------
         columns, rows : (n,) float64
-            Points in pixels: (0, 0) is the upper left corner, (width, height) the lower right.
-        width, height : int
-            Extent of the picture in pixels; pixels are square.
+            Points in pixels: column 0, row 0 is the upper left corner, column W, row H the lower right.
+        shape : (H, W)
+            Rows and columns of the picture; pixels are square.
 
         Returns
         -------
         origins, directions : (n, 3) float64
             Directions are unit vectors.
         """
+        # Places in the picture, in units of half its height, from its middle to the right and up.
+        H, W = shape
         right, up, forward = self.axes
-        x = ((2.0 * columns - width) / height)[:, None]
-        y = ((height - 2.0 * rows) / height)[:, None]
+        x = ((2.0 * columns - W) / H)[:, None]
+        y = ((H - 2.0 * rows) / H)[:, None]
 
         position = np.asarray(self.position, np.float64)
         if self.height is not None:
@@ -99,19 +103,21 @@ class Camera:
         directions /= np.linalg.norm(directions, axis=1, keepdims=True)
         return np.broadcast_to(position, directions.shape), directions
 
-    def project(self, points: npt.ArrayLike, width: int, height: int) -> tuple[FloatArray, FloatArray]:
-        """Where points in front of the camera appear: the inverse of `rays`.
+    def project(self, points: npt.ArrayLike, shape: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+        """Return where points in front of the camera appear: the inverse of `rays`.
 
         Parameters
         ----------
         points : (n, 3) array_like
-        width, height : int
-            Extent of the picture in pixels.
+        shape : (H, W)
+            Rows and columns of the picture.
 
         Returns
         -------
         columns, rows : (n,) float64
+            In pixels.
         """
+        H, W = shape
         x, y, depth = self.axes @ (np.asarray(points, np.float64) - np.asarray(self.position)).T
         reach = 0.5 * self.height if self.height is not None else depth * np.tan(np.radians(self.fov) / 2.0)
-        return 0.5 * (width + height * x / reach), 0.5 * (height - height * y / reach)
+        return 0.5 * (W + H * x / reach), 0.5 * (H - H * y / reach)

@@ -127,8 +127,7 @@ def _sphere(axes: Axes, rm: ReflectionMap, env_name: str) -> None:
     picture = render(
         [Object(Sphere((0.0, 0.0, 0.0)), rm)],
         camera,
-        PIXELS,
-        PIXELS,
+        (PIXELS, PIXELS),
         viewer="distant",
         samples=3,
         shading="pixel",

@@ -16,7 +16,8 @@ from shrm.render.line_field import orthogonalised
 from shrm.render.placement import Placement, about_vertical
 from shrm.render.shapes import Hits
 from shrm.render.tangents import Tangents, principal_tangents, uv_tangents
-from shrm.validation import one_of
+from shrm.transfer.precomputation import MeshLike
+from shrm.validation import indices, one_of, real_array
 from shrm.vectors import unit
 
 
@@ -26,23 +27,30 @@ class Mesh:
 
     Parameters
     ----------
-    vertices : (n, 3) float64
-    faces : (k, 3) int
-        Indices into vertices.
-    normals : (n, 3) float64, optional
+    vertices : (n, 3) array_like
+    faces : (k, 3) array_like of int
+        Indices into vertices, k > 0.
+    normals : (n, 3) array_like, optional
         Unit normals of the vertices. Without them they are computed: the faces' normals, weighted
         by area, summed over all vertices at one place, so that texture seams do not show.
-    uv : (n, 2) float64, optional
+    uv : (n, 2) array_like, optional
         Texture coordinates of the vertices, v upwards; zero without them.
-    tangents : (k, 3, 3) float64, optional
+    tangents : (k, 3, 3) array_like, optional
         Unit tangents at the corners of the faces, see `with_tangents`; without them they run around the
         object's axis. Their signs mean nothing, but agree within a face.
     name : str
         What errors call it: its file.
 
+    Attributes
+    ----------
+    vertices, faces, normals, uv, tangents : arrays of float64 and int64
+        The parameters, where they are given.
+    vertex_normals : (n, 3) float64
+        The given normals or the computed ones.
+
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         If an array has another shape or values that are not finite, or a face has no such vertex.
     """
 
@@ -54,17 +62,52 @@ class Mesh:
     name: str = "the mesh"
 
     def __post_init__(self) -> None:
-        _require("vertices", self.vertices, (None, 3))
-        if self.faces.ndim != 2 or self.faces.shape[1] != 3 or len(self.faces) == 0:
-            raise ValueError(f"faces has shape {self.faces.shape}, but needs (k, 3) with k > 0")
-        if self.faces.min() < 0 or self.faces.max() >= len(self.vertices):
-            raise ValueError(f"faces name vertices that are not there: there are {len(self.vertices)}")
-        if self.normals is not None:
-            _require("normals", self.normals, (len(self.vertices), 3))
-        if self.uv is not None:
-            _require("uv", self.uv, (len(self.vertices), 2))
-        if self.tangents is not None:
-            _require("tangents", self.tangents, (len(self.faces), 3, 3))
+        vertices = real_array("vertices", self.vertices, ("n", 3))
+        n = len(vertices)
+        faces = indices("faces", self.faces, n, ("k", 3), empty=False)
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", faces.astype(np.int64))
+        shapes = {"normals": (n, 3), "uv": (n, 2), "tangents": (len(faces), 3, 3)}
+        for name, shape in shapes.items():
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, real_array(name, getattr(self, name), shape))
+
+    def __repr__(self) -> str:
+        """Say its name, how large it is, and what it has besides faces."""
+        held = [name for name in ("normals", "uv", "tangents") if getattr(self, name) is not None]
+        counts = f"{len(self.vertices)} vertices, {len(self.faces)} faces"
+        return f"<Mesh {self.name!r}: {', '.join([counts, *held])}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a pickle holds: all but Embree's scene, which is built again."""
+        return {name: value for name, value in self.__dict__.items() if name != "_scene"}
+
+    @classmethod
+    def from_trimesh(cls, mesh: MeshLike) -> Mesh:
+        """Take a `trimesh.Trimesh`, or any object with these arrays, as `shrm.transfer.precompute` does.
+
+        Parameters
+        ----------
+        mesh : trimesh.Trimesh or alike
+            Its `vertices` (n, 3), `faces` (k, 3), `vertex_normals` (n, 3) and, if there are any, texture
+            coordinates (n, 2), from `uv` or, as trimesh has them, from `visual.uv`. World frame, z up:
+            nothing is turned.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it has no such arrays.
+        """
+        for name in ("vertices", "faces", "vertex_normals"):
+            if not hasattr(mesh, name):
+                raise TypeError(
+                    f"mesh must have vertices, faces and vertex_normals, got {type(mesh).__name__}"
+                )
+        uv = getattr(mesh, "uv", None)
+        if uv is None:
+            uv = getattr(getattr(mesh, "visual", None), "uv", None)
+        vertices, faces, normals = (np.asarray(x) for x in (mesh.vertices, mesh.faces, mesh.vertex_normals))
+        return cls(vertices, faces, normals, uv)
 
     @classmethod
     def read(cls, path: str | Path, up: Literal["y", "z"] = "y") -> Mesh:
@@ -84,8 +127,7 @@ class Mesh:
         ValueError
             If the file is not a mesh that trimesh can read.
         """
-        if up not in ("y", "z"):
-            raise ValueError(f"up is {up!r}, but needs to be 'y' or 'z'")
+        one_of("up", up, ("y", "z"))
         with open(path, "rb"):  # missing or unreadable: an OSError that names the file
             pass
         try:
@@ -271,16 +313,6 @@ def _gather(
         unit(np.concatenate(normals)) if len(normals) == len(vertices) else None,
         np.concatenate(uv) if any(part.any() for part in uv) else None,
     )
-
-
-def _require(name: str, array: FloatArray, shape: tuple[int | None, ...]) -> None:
-    if array.ndim != len(shape) or any(
-        want not in (None, have) for want, have in zip(shape, array.shape, strict=True)
-    ):
-        text = ", ".join("n" if extent is None else str(extent) for extent in shape)
-        raise ValueError(f"{name} has shape {array.shape}, but needs ({text})")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} has values that are not finite")
 
 
 def _one_line(fault: Exception) -> str:

@@ -20,10 +20,10 @@ def row_extent(count: int) -> tuple[float, float]:
     return SPACING * (count - 1) + 2.0 * (1.0 + MARGIN), 2.0 * (1.0 + MARGIN)
 
 
-def row_picture(count: int, diameter: int) -> tuple[int, int]:
-    """Width and height in pixels of a picture of a row, given those across a sphere."""
+def row_shape(count: int, diameter: int) -> tuple[int, int]:
+    """Return the shape (H, W) of a picture of a row, given the pixels across a sphere."""
     width, height = row_extent(count)
-    return round(width * diameter / 2.0), round(height * diameter / 2.0)
+    return round(height * diameter / 2.0), round(width * diameter / 2.0)
 
 
 def row_camera(

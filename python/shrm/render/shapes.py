@@ -9,6 +9,7 @@ import numpy as np
 
 from shrm.arrays import FloatArray, IntArray
 from shrm.render.camera import Vector
+from shrm.validation import positive, real_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,12 +39,16 @@ class Hits:
     corners: IntArray | None = None
     weights: FloatArray | None = None
 
+    def __repr__(self) -> str:
+        """Say how many rays there are, and how many hit."""
+        return f"<Hits: {len(self.distances)} rays, {np.isfinite(self.distances).sum()} hit>"
+
 
 class Shape(Protocol):
     """What the renderer needs of a shape."""
 
     def intersect(self, origins: FloatArray, directions: FloatArray) -> Hits:
-        """First hits of rays with (n, 3) origins and unit directions."""
+        """Return the first hits of rays with (n, 3) origins and unit directions."""
         ...
 
 
@@ -51,21 +56,27 @@ class Shape(Protocol):
 class Sphere:
     """An exact sphere. Texture: the usual map of a globe, u = 1/2 on its +x meridian, east is +u.
 
+    Parameters
+    ----------
+    center : 3 floats
+    radius : float
+        Above 0.
+
     Raises
     ------
-    ValueError
-        If the radius is not positive.
+    TypeError, ValueError
+        If an argument is not as described.
     """
 
     center: Vector = (0.0, 0.0, 0.0)
     radius: float = 1.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.radius < np.inf:
-            raise ValueError(f"radius is {self.radius}, but needs to be positive")
+        real_array("center", self.center, (3,))
+        positive("radius", self.radius)
 
     def intersect(self, origins: FloatArray, directions: FloatArray) -> Hits:
-        """First hits of rays with (n, 3) origins and unit directions."""
+        """Return the first hits of rays with (n, 3) origins and unit directions."""
         offsets = origins - np.asarray(self.center)
         nearest = -np.einsum("nk,nk->n", offsets, directions)  # to the point nearest the center
         distances = np.full(len(directions), np.inf)

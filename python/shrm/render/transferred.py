@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +17,7 @@ from shrm import sh
 from shrm.arrays import FloatArray
 from shrm.frequency.expansion import degree_window
 from shrm.frequency.request import Window
-from shrm.render.camera import Camera, Vector
+from shrm.render.camera import Camera, Vector, Viewer
 from shrm.render.mesh import Mesh
 from shrm.render.placement import Placement
 from shrm.render.vertex_radiance import VertexRadiance
@@ -27,8 +26,6 @@ from shrm.transfer.lighting import Lighting
 from shrm.transfer.object import RadianceTransfer
 
 SUFFIX = ".shrt"
-
-Viewer = Literal["near", "distant"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +41,11 @@ class TransferredMesh:
 
     transfer: RadianceTransfer
     placement: Placement
+
+    def __repr__(self) -> str:
+        """Say the material, how many vertices there are, and where they stand."""
+        transfer = self.transfer
+        return f"<TransferredMesh {transfer.material}: {len(transfer.vertices)} vertices, {self.placement!r}>"
 
     @classmethod
     def placed(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shrm.arrays import Float32Array, FloatArray, IntArray
+from shrm.validation import require_instance, require_shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,15 +24,21 @@ class VertexRadiance:
 
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         If the array is not of this shape and type.
     """
 
     values: Float32Array
 
     def __post_init__(self) -> None:
-        if self.values.ndim != 2 or self.values.shape[1] != 3 or self.values.dtype != np.float32:
-            raise ValueError(f"values must be (V, 3) float32, got {self.values.shape} {self.values.dtype}")
+        require_instance("values", self.values, np.ndarray, what="an array of float32")
+        if self.values.dtype != np.float32:
+            raise TypeError(f"values must be an array of float32, got {self.values.dtype}")
+        require_shape("values", self.values, ("V", 3))
+
+    def __repr__(self) -> str:
+        """Say how many vertices there are."""
+        return f"<VertexRadiance: {len(self.values)} vertices>"
 
     def require_vertices(self, count: int) -> None:
         """Check that there is a row for each vertex.
@@ -41,9 +48,8 @@ class VertexRadiance:
         ValueError
             If there are more or fewer.
         """
-        if len(self.values) != count:
-            raise ValueError(f"values has {len(self.values)} rows, but the mesh has {count} vertices")
+        require_shape("values", self.values, (count, 3))
 
     def at(self, corners: IntArray, weights: FloatArray) -> Float32Array:
-        """Radiance (n, 3) at points of faces with corners (n, 3), by barycentric weights (n, 3)."""
+        """Return radiance (n, 3) at points of faces with corners (n, 3), by barycentric weights (n, 3)."""
         return np.asarray(np.einsum("nk,nkc->nc", weights, self.values[corners]), np.float32)

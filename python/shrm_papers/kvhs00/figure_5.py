@@ -70,7 +70,7 @@ def _measure(
 ) -> tuple[list[list[Cell]], dict[str, list[Picture]]]:
     """Return the rows of the table, and pictures by the light's name."""
     pixels, samples, size = (32, 1, 64) if quick else (PICTURE, SAMPLES, SIZE)
-    renderer = Renderer(pixels, samples=samples, context=context)
+    renderer = Renderer((pixels, pixels), samples=samples, context=context)
     gl, extent = context.gl, (pixels, pixels)
     target = gl.framebuffer([gl.texture(extent, 4, dtype="f4")], gl.depth_renderbuffer(extent))
     shape = torus(tilt=TILT)
@@ -101,8 +101,7 @@ def _measure(
 def _error(picture: Picture, scene: Scene, light: Environment, s: int) -> float:
     """Return the relative RMS error where the torus fills a pixel, by one sample for each pixel."""
     exact = prefilter_angular(light, brdf.Phong(s))
-    H, W = picture.coverage.shape
-    integrated = render([Object(scene.objects[0].shape, exact)], CAMERA, W, H, samples=1)
+    integrated = render([Object(scene.objects[0].shape, exact)], CAMERA, picture.coverage.shape, samples=1)
     filled = (picture.coverage == 1) & (integrated.coverage == 1)
     return relative_rms(picture.radiance[filled], integrated.radiance[filled])
 

@@ -11,7 +11,7 @@ from shrm import brdf
 from shrm.arrays import Float32Array
 from shrm.integrate.angular import prefilter_angular
 from shrm.prefiltered import Anisotropic
-from shrm.render import Camera, Mesh, Object, Picture, Reflection, automatic_exposure, display, render
+from shrm.render import Camera, Mesh, Object, Picture, SupportsRadiance, automatic_exposure, display, render
 
 from shrm_papers.grid_meshes import pot
 from shrm_papers.result import Result, Settings
@@ -37,10 +37,10 @@ ANGLES = (44.0, 39.0, 35.0)
 SLICES, ROWS, LIGHT = 181, 64, 128
 """Layers, their rows, and rows of the light."""
 
-PICTURE = (420, 320)
-"""Width and height of a picture in pixels."""
+PICTURE = (320, 420)
+"""Rows and columns of a picture."""
 
-JUDGED = (84, 64)
+JUDGED = (64, 84)
 """The same of pictures that are integrated for their errors."""
 
 CAMERAS = (
@@ -62,10 +62,8 @@ def make(settings: Settings) -> Result:
     seconds = time.perf_counter() - start
 
     pot = Object(_mesh(settings), maps)
-    extent, samples = ((60, 45), 1) if settings.quick else (PICTURE, 2)
-    pictures = [
-        render([pot], camera, *extent, background=settings.env, samples=samples) for camera in CAMERAS
-    ]
+    shape, samples = ((45, 60), 1) if settings.quick else (PICTURE, 2)
+    pictures = [render([pot], camera, shape, background=settings.env, samples=samples) for camera in CAMERAS]
     places = np.radians(ANGLES) / np.pi * (slices - 1)
     error = _error(pot, prefilter_angular(env, material, subsamples=1), settings.quick)
     return Result(
@@ -78,13 +76,13 @@ def make(settings: Settings) -> Result:
     )
 
 
-def _error(pot: Object, exact: Reflection, quick: bool) -> float:
+def _error(pot: Object, exact: SupportsRadiance, quick: bool) -> float:
     """Return the relative RMS error of both pictures together, by fewer pixels of each."""
-    extent = (12, 9) if quick else JUDGED
+    shape = (9, 12) if quick else JUDGED
     errors = [
         picture_error(
-            render([pot], camera, *extent, samples=1),
-            render([Object(pot.shape, exact)], camera, *extent, samples=1),
+            render([pot], camera, shape, samples=1),
+            render([Object(pot.shape, exact)], camera, shape, samples=1),
         )
         for camera in CAMERAS
     ]

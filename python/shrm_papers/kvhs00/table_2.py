@@ -143,9 +143,9 @@ def _measure(
     """Return speeds by exponent and filter, and the seconds that making the unfiltered map takes."""
     # A sphere before the environment
     size, rounds = (64, 1) if settings.quick else (SIZE, 5)
-    renderer = Renderer(PICTURE if not settings.quick else 64, context=context)
-    gl, extent = context.gl, (renderer.width, renderer.height)
-    target = gl.framebuffer([gl.texture(extent, 4, dtype="f4")], gl.depth_renderbuffer(extent))
+    edge = PICTURE if not settings.quick else 64
+    renderer, gl = Renderer((edge, edge), context=context), context.gl
+    target = gl.framebuffer([gl.texture((edge, edge), 4, dtype="f4")], gl.depth_renderbuffer((edge, edge)))
     shape, camera = ball(), Camera((4.0, 2.0, 1.5), fov=32.0)
     directions = _spread(DIRECTIONS // (10 if settings.quick else 1))
 

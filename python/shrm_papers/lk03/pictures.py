@@ -58,7 +58,7 @@ class Stage:
         """Indices of the vertices of the faces that the camera's rays meet, ascending."""
         along = (np.arange(self._pixels * SAMPLES) + 0.5) / SAMPLES
         columns, rows = np.meshgrid(along, along)
-        rays = self._camera.rays(columns.ravel(), rows.ravel(), self._pixels, self._pixels)
+        rays = self._camera.rays(columns.ravel(), rows.ravel(), (self._pixels, self._pixels))
         hits = self._mesh.intersect(*rays)
         assert hits.corners is not None
         return np.unique(hits.corners[np.isfinite(hits.distances)])
@@ -66,7 +66,7 @@ class Stage:
     def shot(self, radiance: Float32Array, truth: Shot | None = None) -> Shot:
         """Draw the object with radiance (V, 3) at its vertices; measure the error against another shot."""
         shaded = Object(self._mesh, VertexRadiance(radiance))
-        picture = render([shaded], self._camera, self._pixels, self._pixels, samples=SAMPLES)
+        picture = render([shaded], self._camera, (self._pixels, self._pixels), samples=SAMPLES)
         return Shot(picture, 0.0 if truth is None else picture_error(picture, truth.picture))
 
     def lit(self, lighting: Lighting, truth: Shot | None = None) -> Shot:

@@ -23,7 +23,7 @@ from shrm.frequency.orders import ToleranceWarning
 from shrm.frequency.prefilter import prefilter
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.integrate.angular import prefilter_angular
-from shrm.render import Camera, Mesh, Object, Placement, Reflection, about_vertical, display, render
+from shrm.render import Camera, Mesh, Object, Placement, SupportsRadiance, about_vertical, display, render
 
 from shrm_papers.comparison import Frames
 from shrm_papers.errors import relative_rms
@@ -41,7 +41,7 @@ TOLERANCE = 0.03
 LIGHT = 256
 """Rows of the light that is prefiltered and integrated."""
 
-PANEL = (400, 500)
+PANEL = (500, 400)
 """Width and height of a panel in pixels."""
 
 RAYS = 4
@@ -237,16 +237,16 @@ def framed(shape: Mesh, panel: Panel) -> tuple[Camera, Mesh]:
     phi = np.radians(panel.look)
     away = DISTANCE * np.array([-np.cos(phi), -np.sin(phi), 0.0])
     camera = Camera((float(away[0]), float(away[1]), 0.0))
-    width, height = PANEL
+    height, width = PANEL
     mesh = shape.moved(Placement(about_vertical(panel.look + panel.turn), 1.0, np.zeros(3)))
     pixel = 2.0 * DISTANCE * np.tan(np.radians(camera.fov) / 2.0) / height
-    x, y = (0.5 * (part.min() + part.max()) for part in camera.project(mesh.vertices, width, height))
+    x, y = (0.5 * (part.min() + part.max()) for part in camera.project(mesh.vertices, PANEL))
     right, up, _ = camera.axes
     aside = pixel * ((0.5 * width - x) * right + (y - 0.5 * height) * up)
     mesh = mesh.moved(Placement(np.eye(3), 1.0, aside))
 
     # The field of view is narrowed until the object fills the panel.
-    columns, lines = camera.project(mesh.vertices, width, height)
+    columns, lines = camera.project(mesh.vertices, PANEL)
     return camera.zoomed(FILLED * min(width / np.ptp(columns), height / np.ptp(lines))), mesh
 
 
@@ -259,14 +259,14 @@ def _picture(
     smooth.
     """
     # The object
-    width, height = (extent // 8 for extent in PANEL) if quick else PANEL
+    height, width = (extent // 8 for extent in PANEL) if quick else PANEL
     rays = 1 if quick else RAYS
-    drawn = render([shown], camera, rays * width, rays * height, samples=1)
+    drawn = render([shown], camera, (rays * height, rays * width), samples=1)
     strongest = drawn.radiance[drawn.coverage > 0].max(axis=1)
     clipped = np.clip(drawn.radiance * (bright / np.percentile(strongest, 98.0)), 0.0, 1.0)
 
     # The background, by Reinhard's curve for each color: half the limit at one and a half times the mean
-    behind = render([], camera, width, height, background=env, samples=rays).radiance
+    behind = render([], camera, (height, width), background=env, samples=rays).radiance
     behind = behind / (behind + 1.5 * behind.mean())
 
     # Both, pixel by pixel
@@ -279,11 +279,11 @@ def _picture(
 def visible_frames(mesh: Mesh, camera: Camera, count: int) -> Frames:
     """Return frames at points of an object that a camera sees, uniform in its picture."""
     rng = np.random.default_rng(20020721)
-    width, height = PANEL
+    height, width = PANEL
     batches: list[FloatArray] = []  # (3, n, 3) each: N, V and T
     while sum(batch.shape[1] for batch in batches) < count:
         columns, lines = rng.uniform(0, (width, height), (count, 2)).T
-        origins, directions = camera.rays(columns, lines, width, height)
+        origins, directions = camera.rays(columns, lines, PANEL)
         hits = mesh.intersect(origins, directions)
         assert hits.tangents is not None  # the mesh has a field of its own
         hit = np.isfinite(hits.distances)
@@ -291,7 +291,7 @@ def visible_frames(mesh: Mesh, camera: Camera, count: int) -> Frames:
     return Frames(*np.concatenate(batches, axis=1)[:, :count])
 
 
-def random_frames(rm: Reflection, count: int) -> tuple[Frames, FloatArray]:
+def random_frames(rm: SupportsRadiance, count: int) -> tuple[Frames, FloatArray]:
     """Return frames of any direction, half of them chosen by their squared radiance, and weights (n,).
 
     Few of `Frames.drawn` see a small light at grazing angles, but these have much of the energy and error.
@@ -304,7 +304,9 @@ def random_frames(rm: Reflection, count: int) -> tuple[Frames, FloatArray]:
     return frames, 1 / (len(energy) * chance[chosen])
 
 
-def relative_error(rm: Reflection, exact: Reflection, frames: Frames, weights: FloatArray) -> float:
+def relative_error(
+    rm: SupportsRadiance, exact: SupportsRadiance, frames: Frames, weights: FloatArray
+) -> float:
     """Return the relative RMS error of a map over frames with weights (n,), colors pooled."""
     return relative_rms(frames.radiance(rm), frames.radiance(exact), weights[:, None])
 
@@ -325,7 +327,7 @@ def _draw(pictures: Sequence[npt.NDArray[np.uint8]], captions: Sequence[str]) ->
     from matplotlib.figure import Figure
 
     dpi, gap, below = 150, 6, 64  # pixels: between panels, and for captions
-    width, height = PANEL
+    height, width = PANEL
     full_width, full_height = len(pictures) * (width + gap) - gap, height + below
     figure = Figure(figsize=(full_width / dpi, full_height / dpi), dpi=dpi)
     for k, (picture, text) in enumerate(zip(pictures, captions, strict=True)):

@@ -52,7 +52,7 @@ class Context:
 
     def __repr__(self) -> str:
         driver = "released" if self.released else str(self.gl.info["GL_RENDERER"])
-        return f"Context({self.route!r}, {driver!r})"
+        return f"<Context {self.route}: {driver}>"
 
     @property
     def released(self) -> bool:
@@ -159,11 +159,11 @@ def _osmesa() -> Context:
 
 
 def _hidden_window() -> Context:
-    return of_window(16, 16, "shrm", visible=False)
+    return of_window((16, 16), "shrm", visible=False)
 
 
-def of_window(width: int, height: int, title: str, *, visible: bool) -> Context:
-    """Open a window and take its OpenGL context; it is current then.
+def of_window(shape: tuple[int, int], title: str, *, visible: bool) -> Context:
+    """Open a window of a shape (H, W) and take its OpenGL context; it is current then.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def of_window(width: int, height: int, title: str, *, visible: bool) -> Context:
         glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
         glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, True)
         glfw.window_hint(glfw.VISIBLE, visible)
-        window = glfw.create_window(width, height, title, None, None)
+        window = glfw.create_window(shape[1], shape[0], title, None, None)
         if not window:
             raise ContextError(_glfw_says())
     return _taken(_Window(window), "window", window)

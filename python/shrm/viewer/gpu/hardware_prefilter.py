@@ -247,7 +247,7 @@ class HardwarePrefilter:
             self.context.release()
 
     def __repr__(self) -> str:
-        return f"HardwarePrefilter({self.brdf}, size={self.size}, filter={self.filter!r}, {self.context!r})"
+        return f"<HardwarePrefilter {self.brdf}: {self.filter}, {self.size} texels, {self.context!r}>"
 
     def __enter__(self) -> HardwarePrefilter:
         return self

@@ -17,9 +17,9 @@ from shrm.frequency.rings import BORDER
 from shrm.prefiltered import Prefiltered, PrefilteredMap
 from shrm.prefiltered.paraboloid import ParaboloidMaps
 from shrm.render.mesh import Mesh
-from shrm.render.picture import Lighting, Object, Picture
+from shrm.render.picture import Background, Object, Picture
 from shrm.render.vertex_radiance import VertexRadiance
-from shrm.validation import whole_number
+from shrm.validation import picture_shape, whole_number
 from shrm.viewer.gpu.context import Context, ContextError, leave_framebuffers, offscreen
 from shrm.viewer.gpu.environment_texture import EnvironmentTexture, largest_texture
 from shrm.viewer.gpu.geometry import Geometry, RadiantGeometry, clip_from_world
@@ -50,8 +50,8 @@ class Renderer:
 
     Parameters
     ----------
-    shape : int or (H, W)
-        Rows and columns of the pictures, or one number for both; at most 16384.
+    shape : (H, W)
+        Rows and columns of the pictures; at most 16384.
     samples : int
         samples x samples points to a pixel, averaged, at the places where `shrm.render.render` has them.
     map_size : int
@@ -62,7 +62,8 @@ class Renderer:
 
     Attributes
     ----------
-    width, height, samples, map_size : int
+    shape : (H, W)
+    samples, map_size : int
     context : Context
 
     Raises
@@ -75,15 +76,13 @@ class Renderer:
 
     def __init__(
         self,
-        shape: int | tuple[int, int],
+        shape: tuple[int, int],
         *,
         samples: int = 1,
         map_size: int = 64,
         context: Context | None = None,
     ) -> None:
-        rows, columns = shape if isinstance(shape, tuple) else (shape, shape)
-        self.height = whole_number("shape", rows, 1, LARGEST)
-        self.width = whole_number("shape", columns, 1, LARGEST)
+        self.shape = H, W = picture_shape("shape", shape, most=LARGEST)
         self.samples = whole_number("samples", samples, 1, 64)
         self.map_size = whole_number("map_size", map_size, 1, 4096)
         self._owns_context = context is None
@@ -98,10 +97,7 @@ class Renderer:
         self._vertex_radiance = vertex_radiance_program(gl)
         self._screen = gl.vertex_array(self._background, [])
         self._white = _texture(gl, np.ones((1, 1, 3), np.float32))
-        self._target = gl.framebuffer(
-            [gl.texture((self.width, self.height), 4, dtype="f4")],
-            gl.depth_renderbuffer((self.width, self.height)),
-        )
+        self._target = gl.framebuffer([gl.texture((W, H), 4, dtype="f4")], gl.depth_renderbuffer((W, H)))
 
     def render(self, scene: Scene) -> Picture:
         """Draw a scene.
@@ -119,12 +115,12 @@ class Renderer:
         """
         self._check()
         self.context.activate()
-        n = self.samples
-        total = np.zeros((self.height, self.width, 4), np.float32)
+        n, (H, W) = self.samples, self.shape
+        total = np.zeros((H, W, 4), np.float32)
         for row in range(n):
             for column in range(n):
                 # The point of a pixel that is drawn is its middle: move the picture under it.
-                shift = ((n - 1 - 2 * column) / (n * self.width), (2 * row + 1 - n) / (n * self.height))
+                shift = ((n - 1 - 2 * column) / (n * W), (2 * row + 1 - n) / (n * H))
                 self.draw(scene, self._target, shift)
                 total += self._read()
         self.resources.end_frame()
@@ -136,7 +132,7 @@ class Renderer:
 
     def _read(self) -> Float32Array:
         pixels = np.frombuffer(self._target.read(components=4, dtype="f4"), np.float32)
-        return pixels.reshape(self.height, self.width, 4)[::-1]  # OpenGL's rows run upwards
+        return pixels.reshape(*self.shape, 4)[::-1]  # OpenGL's rows run upwards
 
     def _check(self) -> None:
         if self._released:
@@ -158,7 +154,8 @@ class Renderer:
             self.context.release()
 
     def __repr__(self) -> str:
-        return f"Renderer({self.width} x {self.height}, samples={self.samples}, {self.context!r})"
+        H, W = self.shape
+        return f"<Renderer: {H} x {W} pixels, {self.samples} x {self.samples} samples, {self.context!r}>"
 
     def __enter__(self) -> Renderer:
         return self
@@ -199,7 +196,7 @@ class Renderer:
         gl.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
 
     def _draw_background(
-        self, scene: Scene, light: Lighting, aspect: float, shift: tuple[float, float]
+        self, scene: Scene, light: Background, aspect: float, shift: tuple[float, float]
     ) -> None:
         gl, camera = self.gl, scene.camera
         texture = self.resources.get(

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 
 from shrm.arrays import FloatArray
-from shrm.render.camera import Camera
-from shrm.render.picture import Lighting, Object
-
-Viewer = Literal["near", "distant"]
+from shrm.render.camera import Camera, Viewer
+from shrm.render.picture import Background, Object
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,10 +33,11 @@ class Scene:
 
     objects: Sequence[Object]
     camera: Camera
-    background: Lighting | None = None
+    background: Background | None = None
     viewer: Viewer = "near"
     rotation: FloatArray = field(default_factory=lambda: np.eye(3))
 
     def __repr__(self) -> str:
         background = "" if self.background is None else ", background"
-        return f"Scene(objects: {len(self.objects)}, viewer={self.viewer!r}{background})"
+        count = len(self.objects)
+        return f"<Scene: {count} object{'' if count == 1 else 's'}, {self.viewer} viewer{background}>"

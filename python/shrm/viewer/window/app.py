@@ -40,8 +40,8 @@ class Application:
     Parameters
     ----------
     state : State
-    width, height : int
-        Of the window, the panel included.
+    shape : (H, W)
+        Rows and columns of the window, the panel included.
     visible : bool
         Whether it appears on the screen.
     folder : path
@@ -68,8 +68,7 @@ class Application:
     def __init__(
         self,
         state: State,
-        width: int = 1280,
-        height: int = 900,
+        shape: tuple[int, int] = (900, 1280),
         *,
         visible: bool = True,
         folder: PathLike = ".",
@@ -78,11 +77,11 @@ class Application:
         self.state = state
         self.folder = Path(folder)
         self.state_file = self.folder / STATE_FILE if state_file is None else Path(state_file)
-        self.context = open_window(width, height, TITLE, visible)
+        self.context = open_window(shape, TITLE, visible)
         self.window = self.context.window
-        self.renderer = Renderer(16, context=self.context)
+        self.renderer = Renderer((16, 16), context=self.context)
         self.panel_shown, self.keys_shown = True, False
-        self.screen = Screen(self.context.gl, *(max(1, side) for side in self._picture_extent()))
+        self.screen = Screen(self.context.gl, self._picture_shape(least=1))
         self.drawing = Drawing(self.renderer, self.screen)
         self.controls = Controls(self.window)
         self.panel = Panel()
@@ -114,7 +113,7 @@ class Application:
         while not glfw.window_should_close(self.window):
             self.frame()
             self._lively = max(0, self._lively - 1)
-            visible = min(self._picture_extent()) > 0
+            visible = min(self._picture_shape()) > 0
             sampling = visible and self.result is not None and not self.screen.complete
             if self._lively or sampling or self.state.turning:
                 glfw.poll_events()
@@ -211,14 +210,14 @@ class Application:
     def _draw_picture(self) -> bool:
         """Draw linear radiance, or a further sample of it until there are enough; whether it was."""
         result = self.result
-        width, height = self._picture_extent()
-        if result is None or width < 1 or height < 1:
+        shape = self._picture_shape()
+        if result is None or min(shape) < 1:
             return False
-        self.state = self.drawing.sample(result, self.state, (width, height), self._fit)
+        self.state = self.drawing.sample(result, self.state, shape, self._fit)
         self._fit = False
         if self.drawing.fault:
             self._say_fault(self.drawing.fault)
-        self._show(result, (width, height))
+        self._show(result, shape)
         if self._expose and self.state.automatic:
             picture = self.screen.drawn_picture()
             stops = automatic_exposure(picture.radiance, picture.coverage)
@@ -253,12 +252,12 @@ class Application:
         for action in actions:
             self.act(action)
 
-    def _show(self, result: Prefiltered, extent: tuple[int, int]) -> None:
+    def _show(self, result: Prefiltered, shape: tuple[int, int]) -> None:
         """Choose what is shown of what was drawn."""
         if self.state.shown == "maps" or self.state.eye is None:
             self.screen.show_drawn()
             return
-        question = question_of(result, self.state, self.state.eye.camera, extent)
+        question = question_of(result, self.state, self.state.eye.camera, shape)
         try:
             self.comparison.show(question, self.state.shown == "difference", self.screen, self.drawing.seen)
         except Faults as fault:
@@ -392,6 +391,7 @@ class Application:
         window, pixels = glfw.get_window_size(self.window)[0], glfw.get_framebuffer_size(self.window)[0]
         return round(WIDTH * pixels / max(1, window)) if self.panel_shown else 0
 
-    def _picture_extent(self) -> tuple[int, int]:
+    def _picture_shape(self, least: int = 0) -> tuple[int, int]:
+        """Return the rows and columns of the picture beside the panel; those of a tiny window are `least`."""
         width, height = glfw.get_framebuffer_size(self.window)
-        return width - self._panel_pixels(), height
+        return max(least, height), max(least, width - self._panel_pixels())

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from shrm.frequency.request import Window
+from shrm.render.camera import Viewer
 from shrm.render.tangents import Tangents
-from shrm.viewer.gpu.scene import Viewer
 from shrm.viewer.window.integration import COARSENESS, ROWS
 from shrm.viewer.window.materials import KINDS
 from shrm.viewer.window.screen import AMPLIFIED

@@ -15,14 +15,14 @@ from shrm.viewer.window.state import State
 from shrm.viewer.window.worker import Worker
 
 
-def question_of(result: Prefiltered, state: State, camera: Camera, extent: tuple[int, int]) -> Question:
-    """Return the question for the picture, so many pixels wide and high, of what is drawn.
+def question_of(result: Prefiltered, state: State, camera: Camera, shape: tuple[int, int]) -> Question:
+    """Return the question for the picture, of a shape (H, W), of what is drawn.
 
     Of an object with transfer that is its material without shadows, in the light that its transfer knows.
     """
     environment, shapes, request = result.environment, result.shapes, result.request
     if result.transferred is None:
-        return Question(environment, request.light, request.materials, shapes, camera, state.viewer, *extent)
+        return Question(environment, request.light, request.materials, shapes, camera, state.viewer, shape)
     transfer = result.transferred.transfer
     materials = (transfer.material,)
     return Question(
@@ -32,7 +32,7 @@ def question_of(result: Prefiltered, state: State, camera: Camera, extent: tuple
         shapes,
         camera,
         state.viewer,
-        *extent,
+        shape,
         transfer.n,
         state.window,
     )

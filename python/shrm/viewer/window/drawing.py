@@ -49,15 +49,15 @@ class Drawing:
         self.seen: tuple[object, ...] = ()
         self.sampled, self.fault = False, ""
 
-    def sample(self, result: Prefiltered, state: State, extent: tuple[int, int], fit: bool) -> State:
+    def sample(self, result: Prefiltered, state: State, shape: tuple[int, int], fit: bool) -> State:
         """Draw a sample if the picture has not all of them.
 
         Parameters
         ----------
         result : Prefiltered
         state : State
-        extent : (int, int)
-            Pixels across and down.
+        shape : (H, W)
+            Rows and columns of the picture.
         fit : bool
             Whether the eye goes where all objects are in the picture, as it does if the state has none.
 
@@ -67,11 +67,11 @@ class Drawing:
             With its eye, and with what could be drawn in place of what could not.
         """
         screen = self._screen
-        screen.resize(*extent)
+        screen.resize(shape)
         self.sampled, self.fault = False, ""
         eye = state.eye
         if fit or eye is None:
-            eye = (eye or Orbit()).fitted([bounds(shape) for shape in result.shapes], extent[0] / extent[1])
+            eye = (eye or Orbit()).fitted([bounds(shape) for shape in result.shapes], shape[1] / shape[0])
             state = replace(state, eye=eye)
         background = result.environment if state.background else None
         light = result.request.light if result.transferred is None else state.light
@@ -79,7 +79,7 @@ class Drawing:
         if not drawn:
             return state
         objects = drawn, result.request.filter, result.shapes
-        decides = *objects, light, eye, state.viewer, extent, background
+        decides = *objects, light, eye, state.viewer, shape, background
         if decides != self.seen:
             self.seen, screen.samples = decides, 0
         if screen.complete:

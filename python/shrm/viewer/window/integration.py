@@ -12,11 +12,10 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.environment import Environment
 from shrm.frequency.request import Window
 from shrm.integrate.angular import integrate, prefilter_angular
-from shrm.render.camera import Camera
-from shrm.render.picture import Object, Picture, Reflection, render
+from shrm.render.camera import Camera, Viewer
+from shrm.render.picture import Object, Picture, SupportsRadiance, render
 from shrm.render.shapes import Shape
 from shrm.render.transferred import low_degrees
-from shrm.viewer.gpu.scene import Viewer
 from shrm.viewer.window.state import Rows
 from shrm.viewer.window.worker import StaleError
 
@@ -40,8 +39,8 @@ class Question:
         One for each material.
     camera : Camera
     viewer : {"near", "distant"}
-    width, height : int
-        Extent of the window's picture in pixels.
+    shape : (H, W)
+        Rows and columns of the window's picture in pixels.
     n : int, optional
         Order of the light: its degrees 0 to n - 1 alone are integrated, all of it without one.
     window : {"hann", "lanczos"}, optional
@@ -54,8 +53,7 @@ class Question:
     shapes: tuple[Shape, ...]
     camera: Camera
     viewer: Viewer
-    width: int
-    height: int
+    shape: tuple[int, int]
     n: int | None = None
     window: Window | None = None
 
@@ -101,8 +99,8 @@ class Integration:
             reflection = _integral(light, brdf.parse(text))
             objects.append(Object(shape, _Turned(reflection, np.asarray(question.light, np.float64), stale)))
         for coarseness in COARSENESS:
-            extent = (max(1, side // coarseness) for side in (question.width, question.height))
-            picture = render(objects, question.camera, *extent, viewer=question.viewer, samples=1)
+            H, W = (max(1, side // coarseness) for side in question.shape)
+            picture = render(objects, question.camera, (H, W), viewer=question.viewer, samples=1)
             yield Integrated(question, picture, coarseness)
 
 
@@ -115,7 +113,7 @@ def _coarse(environment: Environment, n: int | None, window: Window | None) -> E
     return environment.resized(ROWS, 2 * ROWS) if H > ROWS else environment
 
 
-def _integral(light: Environment, material: brdf.BRDF) -> Reflection:
+def _integral(light: Environment, material: brdf.BRDF) -> SupportsRadiance:
     """What integrates a material: from tables of its lobes, or plainly where one is anisotropic."""
     if any(lobe.kind == "anisotropic" for lobe in material.lobes):
         return _PlainSum(light, material)
@@ -138,7 +136,7 @@ class _PlainSum:
 class _Turned:
     """A material under a turned light: the frames are turned back instead. Stops when it is not wanted."""
 
-    def __init__(self, reflection: Reflection, R: FloatArray, stale: Callable[[], bool]) -> None:
+    def __init__(self, reflection: SupportsRadiance, R: FloatArray, stale: Callable[[], bool]) -> None:
         self._reflection, self._stale = reflection, stale
         self._light_from_world = R.T
 

@@ -33,38 +33,37 @@ class Screen:
         How many of `PLACES` the picture has.
     """
 
-    def __init__(self, gl: moderngl.Context, width: int, height: int) -> None:
+    def __init__(self, gl: moderngl.Context, shape: tuple[int, int]) -> None:
         self._gl = gl
         self._mean_of = _Pass(gl, "mean.frag")
         self._combine = _Pass(gl, "combine.frag")
         self._display = _Pass(gl, "display.frag")
         self._integrated: moderngl.Texture | None = None
         self.samples = 0
-        self._make(width, height)
+        self._make(shape)
 
-    def _make(self, width: int, height: int) -> None:
-        size = width, height
-        self.drawn = self._target(size, self._gl.depth_renderbuffer(size))
-        self._mean, self._next_mean, self._combined = (self._target(size) for _ in range(3))
+    def _make(self, shape: tuple[int, int]) -> None:
+        self.drawn = self._target(shape, self._gl.depth_renderbuffer(shape[::-1]))
+        self._mean, self._next_mean, self._combined = (self._target(shape) for _ in range(3))
         self._shown = self._mean
 
     def _target(
-        self, size: tuple[int, int], depth: moderngl.Renderbuffer | None = None
+        self, shape: tuple[int, int], depth: moderngl.Renderbuffer | None = None
     ) -> moderngl.Framebuffer:
-        picture = self._gl.texture(size, 4, dtype="f4")
+        picture = self._gl.texture(shape[::-1], 4, dtype="f4")
         picture.filter = NEAREST
         return self._gl.framebuffer([picture], depth)
 
-    def resize(self, width: int, height: int) -> None:
-        """Take another size; the picture is empty then."""
-        if (width, height) != self.size:
+    def resize(self, shape: tuple[int, int]) -> None:
+        """Take another shape (H, W); the picture is empty then."""
+        if shape != self.shape:
             self._free()
-            self._make(width, height)
+            self._make(shape)
 
     @property
-    def size(self) -> tuple[int, int]:
-        """Width and height in pixels."""
-        return self.drawn.width, self.drawn.height
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns, (H, W)."""
+        return self.drawn.height, self.drawn.width
 
     @property
     def shift(self) -> tuple[float, float]:
@@ -91,7 +90,7 @@ class Screen:
         if self._integrated is not None:
             self._integrated.release()
         self._integrated = self._gl.texture((W, H), 4, content, dtype="f4")
-        if self.size == (W, H):
+        if self.shape == (H, W):
             self._integrated.filter = NEAREST
         self._integrated.repeat_x = self._integrated.repeat_y = False
 
@@ -114,7 +113,7 @@ class Screen:
     def display(self, window: moderngl.Framebuffer, left: int, exposure: float) -> None:
         """Tone-map what is shown into the window, `left` pixels from its left side."""
         gain = float(np.float32(2.0 ** np.clip(exposure, -100.0, 100.0)))
-        window.viewport = (left, 0, *self.size)
+        window.viewport = (left, 0, *self.shape[::-1])
         self._display.draw(window, drawn=self._shown, gain=gain)
 
     def picture(self) -> Picture:

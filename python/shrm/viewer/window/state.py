@@ -14,9 +14,9 @@ from shrm.arrays import FloatArray
 from shrm.files import PathLike
 from shrm.frequency.orders import require_orders, require_tolerance
 from shrm.frequency.request import Window
+from shrm.render.camera import Viewer
 from shrm.render.tangents import Tangents
 from shrm.validation import flag, number, one_of, require_instance, rotation, string, whole_number
-from shrm.viewer.gpu.scene import Viewer
 from shrm.viewer.window.orbit import Orbit
 
 Technique = Literal["shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"]

@@ -41,8 +41,8 @@ class Listener(Protocol):
         """The window's picture has another size, in pixels."""
 
 
-def open_window(width: int, height: int, title: str, visible: bool) -> Context:
-    """Open a window and take its OpenGL context.
+def open_window(shape: tuple[int, int], title: str, visible: bool) -> Context:
+    """Open a window of a shape (H, W) and take its OpenGL context.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def open_window(width: int, height: int, title: str, visible: bool) -> Context:
         If there is no display or no OpenGL on it; the text is one line.
     """
     try:
-        return of_window(width, height, title, visible=visible)
+        return of_window(shape, title, visible=visible)
     except ContextError:
         raise ContextError(NO_WINDOW) from None
 
