@@ -12,6 +12,7 @@ from shrm.brdf import Measured, MeasurementError, filled, load, parse
 from shrm.integrate.angular import integrate
 from support import oracles
 from support.data import require
+from support.materials import write_measurements
 
 REAL = {
     "krylon_blue.brdf": "Cornell",
@@ -31,21 +32,17 @@ def test_content_tells_not_the_name(file: str, tmp_path: Path) -> None:
     assert parse(str(path)) is found
 
 
-@pytest.mark.slow
 def test_a_file_that_has_not_changed_gives_the_same_material(tmp_path: Path) -> None:
-    path = tmp_path / "paint"
-    shutil.copy(require("brdf/krylon_blue.brdf"), path)
+    path = write_measurements(tmp_path, "Cornell")
     assert load(path) is load(str(path))
     assert load(path, extrapolate="zero") is not load(path)
     first = load(path)
-    shutil.copy(require("brdf/garnet_red.brdf"), path)
+    write_measurements(tmp_path, "Cornell", seed=1)
     assert load(path) is not first
 
 
-@pytest.mark.slow
 def test_the_text_says_how_it_is_filled(tmp_path: Path) -> None:
-    path = tmp_path / "a+b.brdf"
-    shutil.copy(require("brdf/krylon_blue.brdf"), path)
+    path = write_measurements(tmp_path, "Cornell").rename(tmp_path / "a+b.brdf")
     assert parse(filled(str(path), "zero")) is load(path, extrapolate="zero")
     plain = tmp_path / "b.brdf"
     shutil.copy(path, plain)
@@ -102,12 +99,12 @@ def test_files_that_cannot_be_read_are_the_systems_errors(tmp_path: Path) -> Non
 @pytest.mark.slow
 @pytest.mark.parametrize("file", [*REAL, "garnet_red.brdf", "vch_golden_yellow_rgb.bsdf"])
 def test_damaged_files_are_read_or_refused_and_take_no_memory(file: str, tmp_path: Path) -> None:
-    """Real files cut off, and with bytes changed, most of them in the first 500: 40 each, seeded."""
+    """Real files cut off, and with bytes changed, most of them in the first 500: 24 each, seeded."""
     whole = require(f"brdf/{file}").read_bytes()
     rng = np.random.default_rng(7)
     path = tmp_path / file
     refused = 0
-    for trial in range(40):
+    for trial in range(24):
         data = bytearray(whole)
         if trial % 2:
             del data[rng.integers(len(data)) :]

@@ -1,9 +1,11 @@
 """Cornell's goniometer files: as they are written, between the measurements, and damaged."""
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from shrm.brdf import Measured
 from shrm.brdf.measured import cornell
 from shrm.brdf.measured.scattered import interpolated
 from shrm.brdf.measured.spectrum import to_linear_srgb, to_xyz
@@ -12,6 +14,12 @@ from support.directions import hemisphere
 
 REAL = ["brdf/krylon_blue.brdf", "brdf/garnet_red.brdf"]
 WAVELENGTHS = np.arange(400, 701, 50)
+
+
+@cache
+def read(name: str) -> Measured:
+    """A real file: tabulating it takes a second."""
+    return cornell.read(require(name))
 
 
 def parsed(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -46,10 +54,9 @@ def made(seed: int = 1, count: int = 40) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_the_measurements_are_found_again(name):
-    path = require(name)
-    angles, wavelengths, spectra = parsed(path)
+    angles, wavelengths, spectra = parsed(require(name))
     assert len(angles) == 1439
-    material = cornell.read(path)
+    material = read(name)
     wi, wo = directions(angles)
     assert material.covers(wi, wo).all()
     found, expected = material.function(wi, wo) / wi[:, 2:], to_linear_srgb(wavelengths, spectra)
@@ -93,10 +100,9 @@ def test_measurements_left_out_are_found_from_the_others(name, how, median, spre
 @pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_the_table_is_near_what_it_was_made_of(name):
-    path = require(name)
-    angles, wavelengths, spectra = parsed(path)
+    angles, wavelengths, spectra = parsed(require(name))
     exact = interpolated(*directions(angles), to_xyz(wavelengths, spectra))
-    material = cornell.read(path)
+    material = read(name)
     wi, wo = hemisphere(4000, 3), hemisphere(4000, 4)
     covered = material.covers(wi, wo) & (wi[:, 2] > 0.25) & (wo[:, 2] > 0.25)
     wi, wo = wi[covered], wo[covered]
@@ -110,7 +116,7 @@ def test_the_table_is_near_what_it_was_made_of(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_the_lobe_is_round_and_at_the_mirror_direction(name):
-    material = cornell.read(require(name))
+    material = read(name)
     theta = np.radians(np.linspace(-8, 8, 33))
     wi = np.array([[np.sin(np.radians(40)), 0.0, np.cos(np.radians(40))]])
     mirror = np.radians(40) + theta

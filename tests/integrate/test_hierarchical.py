@@ -75,8 +75,10 @@ def test_diffuse_light_of_three_colors_and_a_sum_of_lobes():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LIGHTS)
-@pytest.mark.parametrize("s", EXPONENTS)
+@pytest.mark.parametrize(
+    ("name", "s"),
+    [(name, s) for k, name in enumerate(LIGHTS) for j, s in enumerate(EXPONENTS) if (k + j) % 2 == 0],
+)
 def test_the_error_that_is_asked_for_is_had(name, s):
     env = environment(name)
     lobe = brdf.Phong(s)

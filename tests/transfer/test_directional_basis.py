@@ -225,7 +225,7 @@ def test_the_average_is_that_of_random_expansions():
 def test_the_error_matrix_measures_what_projection_leaves(M, m):
     basis, rng = DirectionalBasis(M), np.random.default_rng(11)
     l = rng.normal(size=(m * m, 3))
-    directions, weights = basis.quadrature(40)
+    directions, weights = basis.quadrature(24)
     exact = oracles.real_harmonics(m - 1, directions) @ l
     projected = basis.project_coefficients(l)
     off = exact - basis.evaluate(projected, directions)

@@ -1,6 +1,7 @@
 """Prefiltering by OpenGL, on every way to it without a display, against sums over all texels."""
 
 from collections.abc import Iterator
+from functools import cache
 from types import SimpleNamespace
 
 import moderngl
@@ -9,6 +10,7 @@ import pytest
 from shrm import Environment, brdf, prefilter_angular
 from shrm.environment import layouts
 from shrm.environment.paraboloid import face_directions
+from shrm.prefiltered import Prefiltered
 from shrm.prefiltered import prefilter as prefilter_explicit
 from shrm.viewer import Context, ContextError, HardwarePrefilter, offscreen
 from shrm.viewer.gpu.paraboloid_textures import Faces
@@ -155,11 +157,17 @@ def test_any_radial_lobe_is_taken(context):
             assert oracles.relative_rms(prefilter.radiance(D, D), exact) < bound
 
 
+@cache
+def integrated(material: brdf.BRDF) -> Prefiltered:
+    """The same for every way to OpenGL."""
+    return prefilter_explicit(SMOOTH, material, technique="kautz-mccool-2d", size=64, tolerance=0.003)
+
+
 @pytest.mark.slow
 def test_lobes_that_change_with_the_view_are_factored(context):
     """Kautz and McCool's of two dimensions, as `shrm.prefiltered` integrates them."""
     material = brdf.Lambert(0.3) + brdf.GGX(0.4, (1.0, 0.7, 0.3))
-    exact = prefilter_explicit(SMOOTH, material, technique="kautz-mccool-2d", size=64, tolerance=0.003)
+    exact = integrated(material)
     N, V = oracles.random_views(400, seed=21)
     for filter, bound in (("exact", 0.02), ("two-pass", 0.08)):
         with HardwarePrefilter(material, size=128, taps=512, filter=filter, context=context) as prefilter:

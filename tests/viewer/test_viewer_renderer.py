@@ -119,7 +119,13 @@ OF_LAYERS = {"near": 1e-4, "distant": 0.02}
 TECHNIQUES = ["kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"]
 
 
-def layered(rm: ReflectionMap, material, technique: str | None) -> ReflectionMap | Prefiltered:
+@cache
+def in_daylight(material: brdf.BRDF) -> ReflectionMap:
+    return prefilter(light("daylight"), material, orders=(12, 4), size=64, layout="cube")
+
+
+@cache
+def layered(rm: ReflectionMap, material: brdf.BRDF, technique: str | None) -> ReflectionMap | Prefiltered:
     """The maps of a technique for the light of a reflection map; without one, its own without azimuth."""
     if technique is None:
         return without_azimuth(rm)
@@ -130,8 +136,7 @@ def layered(rm: ReflectionMap, material, technique: str | None) -> ReflectionMap
 @pytest.mark.parametrize("viewer", ["near", "distant"])
 @pytest.mark.parametrize("material", [MATERIALS[1], MATERIALS[3]], ids=lambda material: material.name)
 def test_earlier_methods_are_those_of_the_cpu(renderer, material, viewer, technique):
-    rm = prefilter(light("daylight"), material, orders=(12, 4), size=64, layout="cube")
-    maps = layered(rm, material, technique)
+    maps = layered(in_daylight(material), material, technique)
     scene = Scene([Object(Sphere(), maps), Object(torus(), maps)], CAMERA, None, viewer)
     assert compared(renderer, scene) < OF_LAYERS[viewer] + lookup_error(renderer.context, 0.1)
     turned = replace(scene, camera=Camera((1.0, -3.0, 2.5), fov=32.0))  # another triangle of views
@@ -284,7 +289,8 @@ def test_a_mesh_of_spoilt_faces_is_drawn(renderer, glossy):
 
 
 @pytest.mark.slow
-def test_a_million_triangles_are_drawn(renderer, glossy):
+def test_a_million_triangles_are_drawn(contexts, glossy):
+    renderer = Renderer(SIZE, context=contexts["egl"])
     fine = torus(rings=500, around=1000)
     assert len(fine.faces) == 1_000_000
     found = renderer.render(Scene([Object(fine, glossy)], CAMERA, None, "distant"))

@@ -151,7 +151,7 @@ def frame_seconds(lighting: Lighting, seconds: float) -> float:
     out = np.empty((lighting.size, 3), np.float32)
     bursts = []
     for _ in range(_BURSTS):
-        time.sleep(_PAUSE)
+        time.sleep(min(_PAUSE, seconds))  # no rest where nothing is timed for long
         times: list[float] = []
         end = time.perf_counter() + seconds / _BURSTS
         while len(times) < 5 or time.perf_counter() < end:
