@@ -31,6 +31,7 @@ from shrm.integrate.angular import prefilter_angular
 from shrm.integrate.hierarchical import prefilter_hierarchical
 from shrm.methods.cost import cheapest
 from shrm.prefiltered import explicit
+from shrm.result_files import load
 from shrm.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ __all__ = [
     "brdf",
     "cheapest",
     "explicit",
+    "load",
     "orders",
     "prefilter",
     "prefilter_angular",

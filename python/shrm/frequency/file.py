@@ -31,7 +31,7 @@ import numpy.typing as npt
 from shrm import image_io
 from shrm.arrays import FloatArray, IntArray
 from shrm.brdf.lobe import Center
-from shrm.files import PathLike
+from shrm.files import PathLike, one_line
 from shrm.frequency.part import CoefficientMaps, Part, order_of, synthesised
 from shrm.frequency.residual_file import read_residual, residual_parts
 from shrm.frequency.rings import BORDER
@@ -117,7 +117,7 @@ def read(path: PathLike) -> SavedMap:
     if "0.maps" not in images or "shrm:version" not in images["0.maps"].metadata:
         raise ImageError(f"{path}: no reflection map (it has no part 0.maps with shrm's metadata)")
     about = images["0.maps"].metadata
-    if about["shrm:version"] not in READABLE:
+    if str(about["shrm:version"]) not in map(str, READABLE):
         raise ImageError(
             f"{path}: a reflection map of version {about['shrm:version']}, this reads versions"
             f" {', '.join(map(str, READABLE))}"
@@ -125,7 +125,7 @@ def read(path: PathLike) -> SavedMap:
     try:
         return _saved_map(images, about)
     except (KeyError, ValueError, TypeError, IndexError, OverflowError) as fault:
-        raise ImageError(f"{path}: a damaged reflection map ({fault})") from fault
+        raise ImageError(f"{path}: a damaged reflection map ({one_line(fault)})") from fault
 
 
 def _conventions_and_facts(saved: SavedMap) -> dict[str, str | int | float]:
@@ -149,6 +149,7 @@ def _pictures(k: int, part: CoefficientMaps, facts: Mapping[str, Any]) -> list[i
         "shrm:center": part.center,
         "shrm:layout": part.layout,
         "shrm:zonal": int(part.zonal),
+        "shrm:half": int(part.rings.dtype == np.float16),
         "shrm:F": part.F,
         "shrm:P": part.P,
     }
@@ -170,9 +171,11 @@ def _saved_map(images: Mapping[str, image_io.Part], about: Mapping[str, Any]) ->
     lobes = _number(about, "shrm:lobes")
     if lobes < 1:
         raise ValueError(f"shrm:lobes = {lobes}")
-    parts = tuple(_part(images, k) for k in range(lobes))
+    stored = [_part(images, k) for k in range(lobes)]
+    halves = [images[f"{k}.maps"].metadata.get("shrm:half", 0) == 1 for k in range(lobes)]
+    parts = tuple(part.as_half() if half else part for part, half in zip(stored, halves, strict=True))
     residual = None
-    if about["shrm:version"] != VERSION:
+    if str(about["shrm:version"]) != str(VERSION):
         names = map_names([part.center for part in parts])
         maps = [(name, part.center, part.gamma) for name, part in zip(names, parts, strict=True)]
         residual = read_residual(images, maps, parts[0].layout, parts[0].size)

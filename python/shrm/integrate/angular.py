@@ -10,34 +10,36 @@ table 3 and appendix D.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from shrm import _core
 from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center
 from shrm.environment import Environment
-from shrm.integrate.angular_lobes import LobeIntegral, RadialIntegral, lobe_integral
-from shrm.integrate.queries import DEFAULT_SIZE, lobes_of, map_directions, pixels_of, queries
+from shrm.files import PathLike
+from shrm.integrate import file
+from shrm.integrate.angular_lobes import (
+    INTEGRALS,
+    LARGEST_CUT,
+    LARGEST_SUBSAMPLES,
+    LobeIntegral,
+    RadialIntegral,
+    lobe_integral,
+    picture_of,
+    resolving,
+)
+from shrm.integrate.queries import DEFAULT_SIZE, LARGEST_SIZE, lobes_of, map_directions, pixels_of, queries
 from shrm.integrate.sampled_frames import drawn_directions
 from shrm.lobes.directions import above_horizon, local_frames
 from shrm.lobes.reflection import Layout, Reflection
-from shrm.validation import fraction, one_of, whole_number
-
-LARGEST_SUBSAMPLES = 16
-"""Most nodes along each side of a texel; beyond them texels are cut into smaller ones."""
+from shrm.validation import fraction, number, one_of, whole_number
 
 JUDGED_NODES, JUDGED_FRAMES = 1e9, (48, 512)
 """Nodes visited to predict an error, about, and the fewest and most frames that they are shared among."""
-
-LARGEST_CUT = 2048
-"""Most columns of a picture whose texels are cut for narrow lobes: 25 MB of radiance."""
 
 _CHUNK = 16384
 """Directions asked of a lobe at once by `integrate`: arrays of 400 kB."""
@@ -195,7 +197,7 @@ def prefilter_angular(
     one_of("layout", layout, DEFAULT_SIZE)
     if center is not None:
         one_of("center", center, ("lobe", "reflection", "normal"))
-    edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
+    edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, LARGEST_SIZE)
     if subsamples is not None:
         subsamples = whole_number("subsamples", subsamples, 1, LARGEST_SUBSAMPLES)
     if not isinstance(symmetry, bool):
@@ -203,7 +205,20 @@ def prefilter_angular(
     parts = [lobe_integral(lobe, cutoff, center, symmetry) for lobe in lobes_of(brdf)]
     if not parts:
         raise ValueError("brdf has no lobes, but needs at least one")
-    return AngularReflection(pixels, parts, edge, layout, subsamples, symmetry, cutoff)
+    cut = 1
+    if subsamples is None:
+        cut, subsamples = resolving(pixels.shape, min(part.width for part in parts))
+    return AngularReflection(
+        pixels,
+        parts,
+        edge,
+        layout,
+        subsamples=subsamples,
+        cut=cut,
+        symmetry=symmetry,
+        cutoff=cutoff,
+        brdf=brdf.name,
+    )
 
 
 CUTOFF_OF_TOLERANCE = 0.75
@@ -229,6 +244,8 @@ class AngularReflection(Reflection):
 
     Attributes
     ----------
+    brdf : str
+        The material's name.
     cutoff : float
         Fraction of each lobe's integral that is cut.
     subsamples : int
@@ -241,42 +258,21 @@ class AngularReflection(Reflection):
         parts: Sequence[LobeIntegral],
         size: int,
         layout: Layout,
-        subsamples: int | None,
+        *,
+        subsamples: int,
+        cut: int,
         symmetry: bool,
         cutoff: float,
+        brdf: str,
+        error: float | None = None,
     ) -> None:
-        # Nodes closer than a quarter of the narrowest lobe's width
-        self._pixels = pixels
-        H, W, _ = pixels.shape
-        if subsamples is None:
-            narrowest = min(part.width for part in parts)
-            spacing = max(np.pi / H, 2 * np.pi / W)
-            needed = max(2, int(np.ceil(4 * spacing / narrowest)))
-            # Texels may be cut in smaller ones of the same radiance where their own nodes do not suffice.
-            cut = min(-(-needed // LARGEST_SUBSAMPLES), max(1, LARGEST_CUT // max(H, W)))
-            pixels = pixels.repeat(cut, axis=0).repeat(cut, axis=1)
-            H, W = cut * H, cut * W
-            subsamples = min(-(-needed // cut), LARGEST_SUBSAMPLES)
-            if cut * subsamples < needed:
-                warnings.warn(
-                    f"a lobe {narrowest:.1g} rad wide is narrower than what the nodes resolve: up to"
-                    f" {spacing / (cut * subsamples):.1g} rad between them",
-                    stacklevel=3,
-                )
-
-        # Planes of power, their rows repeated so that any run of columns lies in one piece;
-        # cos(i pi/H) - cos((i+1) pi/H) without cancellation, times 2 pi/W
-        solid_angle = 4 * np.pi / W * np.sin(np.pi * (np.arange(H) + 0.5) / H) * np.sin(0.5 * np.pi / H)
-        power = (pixels * solid_angle[:, None, None]).astype(np.float32)
-        columns = np.arange(2 * W + _core.ANGULAR_LANES) % W
-        self._picture: dict[str, Any] = {
-            "planes": np.ascontiguousarray(power.transpose(2, 0, 1)[:, :, columns]),
-            "subsamples": subsamples,
-        }
+        self._pixels, self._cut = pixels, cut
+        self._picture = picture_of(pixels.repeat(cut, axis=0).repeat(cut, axis=1), subsamples)
         self._parts = tuple(parts)
         self._symmetry = symmetry
-        self._directions = map_directions(layout, size)
+        self._error = error
         self._radial_maps: dict[int, Float32Array] = {}
+        self.brdf = brdf
         self.cutoff = cutoff
         self.subsamples = subsamples
         self._size = size
@@ -291,6 +287,11 @@ class AngularReflection(Reflection):
         return max(part.table_error for part in self._parts)
 
     @cached_property
+    def _directions(self) -> FloatArray:
+        """The directions of the maps' texels."""
+        return map_directions(self.layout, self.size)
+
+    @property
     def error(self) -> float:
         """The predicted relative RMS error of the reflected radiance.
 
@@ -298,7 +299,10 @@ class AngularReflection(Reflection):
         measured at frames drawn at random against the uncut lobe at twice the nodes to a side, and the error
         of its table beside it. About a fifth is the uncertainty of the frames drawn.
         """
-        return max(float(np.hypot(self._cut_error(part), part.table_error)) for part in self._parts)
+        if self._error is None:
+            of_lobes = [np.hypot(self._cut_error(part), part.table_error) for part in self._parts]
+            self._error = float(max(of_lobes))
+        return self._error
 
     def _cut_error(self, part: LobeIntegral) -> float:
         """Measure the error of the cut and the nodes of a lobe's integral, relative RMS, at random frames."""
@@ -385,3 +389,54 @@ class AngularReflection(Reflection):
         views = np.ascontiguousarray(np.broadcast_to(view, C.shape))
         normals = part.normals(C, views)
         return part.radiance(self._picture, normals, views, C).reshape(self._directions.shape)
+
+    # ---- Files
+
+    def save(self, path: PathLike) -> None:
+        """Write an OpenEXR file with the light and the tables of lobes (`shrm.integrate.file`).
+
+        The predicted error is in it if it was asked for before, and found again otherwise.
+
+        Raises
+        ------
+        shrm.ImageError
+            If it cannot be written.
+        """
+        lobes = tuple(file.SavedLobe(part.kind, part.center, part.to_arrays()) for part in self._parts)
+        numbers = {
+            "cutoff": self.cutoff,
+            "subsamples": self.subsamples,
+            "cut": self._cut,
+            "symmetry": self._symmetry,
+            **({} if self._error is None else {"error": self._error}),
+        }
+        file.write(
+            path,
+            file.SavedIntegration("angular", self.brdf, self._pixels, self.layout, self.size, lobes, numbers),
+        )
+
+    @classmethod
+    def load(cls, path: PathLike) -> AngularReflection:
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        shrm.ImageError
+            If it cannot be read, is damaged, or holds something else.
+        """
+        saved = file.read(path, "angular", ("cutoff", "subsamples", "cut", "symmetry", "error"))
+        with file.refusing_damage(path):
+            numbers = saved.numbers
+            largest_cut = max(1, LARGEST_CUT // max(saved.pixels.shape))
+            return cls(
+                saved.pixels,
+                [INTEGRALS[lobe.kind].from_arrays(lobe.center, lobe.arrays) for lobe in saved.lobes],
+                saved.size,
+                saved.layout,
+                subsamples=whole_number("subsamples", int(numbers["subsamples"]), 1, LARGEST_SUBSAMPLES),
+                cut=whole_number("cut", int(numbers["cut"]), 1, largest_cut),
+                symmetry=bool(whole_number("symmetry", int(numbers["symmetry"]), 0, 1)),
+                cutoff=fraction("cutoff", numbers["cutoff"]),
+                brdf=saved.brdf,
+                error=number("error", numbers["error"], 0.0) if "error" in numbers else None,
+            )

@@ -5,10 +5,11 @@ The radiance of a query is one call into C++; see `shrm.integrate.tables` for th
 
 from __future__ import annotations
 
+import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -16,13 +17,43 @@ import shrm._core as _core
 from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.lobe import Center, Lobe, RadialLobe, ZonalLobe, refuse_anisotropic
 from shrm.integrate import tables as lobe_tables
+from shrm.integrate.queries import CENTERS
 from shrm.integrate.radial_table import RadialTable, integral_within, radial_table
+from shrm.integrate.saved_arrays import NamedArrays, angles, number
+from shrm.integrate.table_arrays import (
+    half_angle_arrays,
+    half_angle_from,
+    isotropic_arrays,
+    isotropic_from,
+    radial_arrays,
+    radial_from,
+    zonal_arrays,
+    zonal_from,
+)
 from shrm.lobes.center import gamma_at, gamma_table, lobe_center
 from shrm.lobes.directions import above_horizon, across, bisector, central_directions, normals_at
 from shrm.validation import one_of
 
+LARGEST_SUBSAMPLES = 16
+"""Most nodes along each side of a texel; beyond them texels are cut into smaller ones."""
+
+LARGEST_CUT = 2048
+"""Most columns of a picture whose texels are cut for narrow lobes: 25 MB of radiance."""
+
 Picture = dict[str, Any]
 """The light as arguments of the core: the planes of its power, and the nodes along each side of a texel."""
+
+
+def picture_of(pixels: Float32Array, subsamples: int) -> Picture:
+    """Return the light (H, W, 3) as arguments of the core."""
+    H, W, _ = pixels.shape
+    # cos(i pi/H) - cos((i+1) pi/H) without cancellation, times 2 pi/W
+    solid_angle = 4 * np.pi / W * np.sin(np.pi * (np.arange(H) + 0.5) / H) * np.sin(0.5 * np.pi / H)
+    power = (pixels * solid_angle[:, None, None]).astype(np.float32)
+    # rows are repeated so that any run of columns lies in one piece
+    columns = np.arange(2 * W + _core.ANGULAR_LANES) % W
+    planes = np.ascontiguousarray(power.transpose(2, 0, 1)[:, :, columns])
+    return {"planes": planes, "subsamples": subsamples}
 
 
 class LobeIntegral(ABC):
@@ -32,9 +63,20 @@ class LobeIntegral(ABC):
     ----------
     center : {"lobe", "reflection", "normal", "tangent"}
         Direction that its maps are indexed by.
+    kind : {"radial", "zonal", "isotropic"}
     """
 
     center: Center
+    kind: ClassVar[str]
+
+    @abstractmethod
+    def to_arrays(self) -> NamedArrays:
+        """Return what `from_arrays` takes, `center` apart."""
+
+    @classmethod
+    @abstractmethod
+    def from_arrays(cls, center: Center, arrays: NamedArrays) -> LobeIntegral:
+        """Restore it from what `to_arrays` returned; KeyError or ValueError if that is damaged."""
 
     @property
     @abstractmethod
@@ -107,18 +149,48 @@ def half_width(lobe: Lobe) -> float:
     return lobe_center(lobe.transfer)[1]
 
 
+def resolving(shape: Sequence[int], width: float) -> tuple[int, int]:
+    """Return how a picture (H, W, 3) resolves a lobe: parts of a texel, and nodes in each, along a side.
+
+    Texels are cut in smaller ones of the same radiance where their own nodes do not suffice.
+    """
+    # Nodes closer than a quarter of the lobe's width
+    H, W, _ = shape
+    spacing = max(np.pi / H, 2 * np.pi / W)
+    needed = max(2, int(np.ceil(4 * spacing / width)))
+    cut = min(-(-needed // LARGEST_SUBSAMPLES), max(1, LARGEST_CUT // max(H, W)))
+    subsamples = min(-(-needed // cut), LARGEST_SUBSAMPLES)
+    if cut * subsamples < needed:
+        warnings.warn(
+            f"a lobe {width:.1g} rad wide is narrower than what the nodes resolve: up to"
+            f" {spacing / (cut * subsamples):.1g} rad between them",
+            stacklevel=3,
+        )
+    return cut, subsamples
+
+
 @dataclass(frozen=True, eq=False)
 class RadialIntegral(LobeIntegral):
     """A lobe of fixed shape about R or N."""
 
+    kind = "radial"
     center: Center
     table: RadialTable
 
     @classmethod
     def of(cls, center: Center, profile: Callable[[FloatArray], FloatArray], cutoff: float) -> RadialIntegral:
         """Tabulate a profile."""
-        one_of("center of a radial lobe", center, ("reflection", "normal"))
+        one_of("center of a radial lobe", center, CENTERS["radial"])
         return cls(center, radial_table(profile, cutoff))
+
+    def to_arrays(self) -> NamedArrays:
+        """Return its table; see `LobeIntegral`."""
+        return radial_arrays(self.table)
+
+    @classmethod
+    def from_arrays(cls, center: Center, arrays: NamedArrays) -> RadialIntegral:
+        """Restore it; see `LobeIntegral`."""
+        return cls(center, radial_from(arrays))
 
     @property
     def width(self) -> float:
@@ -177,14 +249,24 @@ def profile_arguments(table: RadialTable) -> dict[str, Any]:
 class ZonalIntegral(LobeIntegral):
     """A lobe that depends on two angles from its center."""
 
+    kind = "zonal"
     center: Center
     table: lobe_tables.ZonalTable
 
     @classmethod
     def of(cls, center: Center, profile: lobe_tables.Profile2D, cutoff: float) -> ZonalIntegral:
         """Tabulate a profile."""
-        one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
+        one_of("center of a zonal lobe", center, CENTERS["zonal"])
         return cls(center, lobe_tables.zonal_table(for_all_views(center, profile), cutoff))
+
+    def to_arrays(self) -> NamedArrays:
+        """Return its table; see `LobeIntegral`."""
+        return zonal_arrays(self.table)
+
+    @classmethod
+    def from_arrays(cls, center: Center, arrays: NamedArrays) -> ZonalIntegral:
+        """Restore it; see `LobeIntegral`."""
+        return cls(center, zonal_from(arrays))
 
     @property
     def width(self) -> float:
@@ -239,6 +321,7 @@ class IsotropicIntegral(LobeIntegral):
         True if queries of one view read their half vectors from one table.
     """
 
+    kind = "isotropic"
     center: Center
     gamma: FloatArray
     table: lobe_tables.HalfAngleTable | lobe_tables.IsotropicTable
@@ -249,10 +332,24 @@ class IsotropicIntegral(LobeIntegral):
         cls, center: Center, transfer: lobe_tables.Transfer, cutoff: float, share: bool
     ) -> IsotropicIntegral:
         """Tabulate a lobe."""
-        one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+        one_of("center of an isotropic lobe", center, CENTERS["isotropic"])
         half_angle = lobe_tables.half_angle_table(transfer, cutoff)
         table = half_angle or lobe_tables.isotropic_table(transfer, cutoff)
         return cls(center, gamma_table(center, transfer), table, share)
+
+    def to_arrays(self) -> NamedArrays:
+        """Return its tables; see `LobeIntegral`."""
+        if isinstance(self.table, lobe_tables.HalfAngleTable):
+            arrays = half_angle_arrays(self.table)
+        else:
+            arrays = isotropic_arrays(self.table)
+        return {**arrays, "gamma": self.gamma[None], "share": np.asarray(int(self.share))}
+
+    @classmethod
+    def from_arrays(cls, center: Center, arrays: NamedArrays) -> IsotropicIntegral:
+        """Restore it; see `LobeIntegral`."""
+        table = half_angle_from(arrays) if "profile" in arrays else isotropic_from(arrays)
+        return cls(center, angles(arrays, "gamma"), table, bool(number(arrays, "share")))
 
     @property
     def width(self) -> float:
@@ -306,6 +403,11 @@ class IsotropicIntegral(LobeIntegral):
         """Return the same lobe, nothing cut."""
         caps = np.broadcast_to([0.0, np.pi], self.table.caps.shape).copy()
         return replace(self, table=replace(self.table, caps=caps))
+
+
+INTEGRALS: dict[str, type[LobeIntegral]] = {
+    cls.kind: cls for cls in (RadialIntegral, ZonalIntegral, IsotropicIntegral)
+}
 
 
 def for_all_views(

@@ -8,7 +8,7 @@ they are small against it. The tables are those of direct integration.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Protocol, cast
 
 import numpy as np
@@ -18,8 +18,16 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.lobe import Center, IsotropicLobe, Lobe, RadialLobe, ZonalLobe, refuse_anisotropic
 from shrm.integrate import tables as lobe_tables
 from shrm.integrate.angular_lobes import for_all_views
+from shrm.integrate.queries import CENTERS
 from shrm.integrate.radial_table import NEGLIGIBLE, Profile, integral_within, radial_table
-from shrm.integrate.saved_arrays import SMALLEST, NamedArrays, angles, number, table
+from shrm.integrate.saved_arrays import SMALLEST, NamedArrays, angle_pairs, angles, number, table
+from shrm.integrate.table_arrays import (
+    as_rows,
+    numbers_of,
+    profile_from,
+    profiles_from,
+    ratio_from,
+)
 from shrm.integrate.tables import Transfer
 from shrm.lobes.center import gamma_at, gamma_table, lobe_center
 from shrm.lobes.directions import above_horizon, across, bisector, central_directions, normals_at
@@ -44,9 +52,6 @@ narrowest view."""
 ZONAL_NODE = 8.0
 """Largest node in the band of a zonal lobe, in half widths of its ring, which nodes meet somewhere along."""
 
-LEAST_SEGMENTS, LARGEST_SHIFT = 32, 22
-"""Fewest segments of a profile's table, and most bits of its shift, that the core takes."""
-
 
 class LobeDescent(Protocol):
     """A lobe that can be prefiltered by descent.
@@ -57,6 +62,8 @@ class LobeDescent(Protocol):
         Direction that its maps are indexed by.
     depends_on_view : bool
         True if its maps differ from view to view.
+    kind : {"radial", "zonal", "isotropic"}
+        Which of the three classes it is of.
     table_error : float
         Relative root mean square error of its table; 0 where it is not measured, as for cores.
     """
@@ -69,6 +76,12 @@ class LobeDescent(Protocol):
 
     @property
     def depends_on_view(self) -> bool: ...  # noqa: D102
+
+    @property
+    def kind(self) -> str: ...  # noqa: D102
+
+    def to_arrays(self) -> NamedArrays:
+        """What `descent_from_arrays` takes."""
 
     def radiance(
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
@@ -88,7 +101,7 @@ def lobe_descent(lobe: Lobe) -> LobeDescent:
     if isinstance(lobe, RadialLobe):
         return RadialDescent.of(lobe.center, lobe.profile)
     if isinstance(lobe, ZonalLobe):
-        return ZonalDescent(lobe.center, lobe.profile)
+        return ZonalDescent.of(lobe.center, lobe.profile)
     return IsotropicDescent.of(lobe.center, lobe.transfer)
 
 
@@ -107,6 +120,7 @@ class RadialDescent:
     """
 
     depends_on_view: ClassVar[bool] = False
+    kind: ClassVar[str] = "radial"
     center: Center
     values: Float32Array
     shift: int
@@ -120,7 +134,7 @@ class RadialDescent:
     @classmethod
     def of(cls, center: Center, profile: Profile) -> RadialDescent:
         """Tabulate a profile."""
-        one_of("center of a radial lobe", center, ("reflection", "normal"))
+        one_of("center of a radial lobe", center, CENTERS["radial"])
         table = radial_table(profile, LARGEST_OUTSIDE)
         angle, within = integral_within(profile)
         # Angles within which all but a part lies; parts are dense where little is left outside.
@@ -140,11 +154,8 @@ class RadialDescent:
 
     def to_arrays(self) -> NamedArrays:
         """Return what `from_arrays` takes, `center` apart; the profile as rows of segments."""
-        names = ("shift", "scale", "support", "integral", "width", "within")
-        return {
-            "profile": self.values.reshape(-1, self.values.shape[-1]),
-            **{name: np.asarray(getattr(self, name)) for name in names},
-        }
+        numbers = numbers_of(self, "shift", "scale", "support", "integral", "width", "within")
+        return {"profile": as_rows(self.values), **numbers}
 
     @classmethod
     def from_arrays(cls, center: Center, arrays: NamedArrays) -> RadialDescent:
@@ -155,22 +166,11 @@ class RadialDescent:
         KeyError, ValueError
             If an array is missing, or none that the core could use.
         """
-        profile = table(arrays, "profile", (None, None)).astype(np.float32)
-        segments = profile.shape[1]
-        if len(profile) not in (4, 12) or segments < LEAST_SEGMENTS or segments & (segments - 1):
-            raise ValueError(f"profile of shape {profile.shape}")
         within = table(arrays, "within", (None, 2))
         if len(within) < 2:
             raise ValueError(f"within of shape {within.shape}")
-
-        names = ("shift", "scale", "support", "integral", "width")
-        shift, scale, support, integral, width = (number(arrays, name) for name in names)
-        if not (
-            shift <= LARGEST_SHIFT and min(scale, support) > SMALLEST and max(scale, support) < 1 / SMALLEST
-        ):
-            raise ValueError(f"profile over {shift:g}, {scale:g}, {support:g}")
-        values = np.ascontiguousarray(profile.reshape(-1, 4, segments))
-        return cls(center, values, int(shift), scale, support, integral, width, within)
+        integral, width = number(arrays, "integral"), number(arrays, "width")
+        return cls(center, *profile_from(arrays), integral, width, within)
 
     def radiance(
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
@@ -197,21 +197,48 @@ class RadialDescent:
         return np.asarray(np.arccos(np.sqrt(cos2)))
 
 
+@dataclass(frozen=True, eq=False)
 class ZonalDescent:
-    """A lobe that depends on two angles from its center."""
+    """A lobe that depends on two angles from its center.
 
-    depends_on_view = True
+    Attributes
+    ----------
+    center : {"reflection", "normal", "tangent"}
+    values, bands, integral, width
+        Of its `lobe_tables.ZonalTable`.
+    supports : (rows, 2) float64
+        Smallest and largest theta_i outside of which the lobe is nothing.
+    """
 
-    def __init__(self, center: Center, profile: Callable[[FloatArray, FloatArray], FloatArray]) -> None:
-        one_of("center of a zonal lobe", center, ("reflection", "normal", "tangent"))
-        self.center: Center = center
+    depends_on_view: ClassVar[bool] = True
+    kind: ClassVar[str] = "zonal"
+    center: Center
+    values: Float32Array
+    bands: FloatArray
+    supports: FloatArray
+    integral: float
+    width: float
+    table_error: float = 0.0
+
+    @classmethod
+    def of(cls, center: Center, profile: Callable[[FloatArray, FloatArray], FloatArray]) -> ZonalDescent:
+        """Tabulate a profile."""
+        one_of("center of a zonal lobe", center, CENTERS["zonal"])
         table = lobe_tables.zonal_table(for_all_views(center, profile), LARGEST_OUTSIDE)
-        self._width, self._integral, self.table_error = table.width, table.integral, table.error
-        self._table: dict[str, Any] = {
-            "profiles": table.values,
-            "bands": table.bands,
-            "supports": table.supports(NEGLIGIBLE),
-        }
+        supports = table.supports(NEGLIGIBLE)
+        return cls(center, table.values, table.bands, supports, table.integral, table.width, table.error)
+
+    def to_arrays(self) -> NamedArrays:
+        """Return what `from_arrays` takes, `center` apart; the profiles as rows."""
+        numbers = numbers_of(self, "bands", "supports", "integral", "width")
+        return {"profiles": as_rows(self.values), **numbers}
+
+    @classmethod
+    def from_arrays(cls, center: Center, arrays: NamedArrays) -> ZonalDescent:
+        """Restore it from what `to_arrays` returned; KeyError or ValueError if that is damaged."""
+        values = profiles_from(arrays)
+        bands, supports = (angle_pairs(arrays, name, len(values)) for name in ("bands", "supports"))
+        return cls(center, values, bands, supports, number(arrays, "integral"), number(arrays, "width"))
 
     def radiance(
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
@@ -220,8 +247,10 @@ class ZonalDescent:
         axes = central_directions(self.center, n, v, t)
         return _core.hierarchical_zonal(
             pyramid=pyramid,
-            **self._table,
-            **_depth(threshold, self._integral, ZONAL_NODE * self._width),
+            profiles=self.values,
+            bands=self.bands,
+            supports=self.supports,
+            **_depth(threshold, self.integral, ZONAL_NODE * self.width),
             axes=axes,
             theta_o=across(axes, v)[1],
         )
@@ -262,6 +291,7 @@ class IsotropicDescent:
     """
 
     depends_on_view: ClassVar[bool] = True
+    kind: ClassVar[str] = "isotropic"
     center: Center
     gamma: FloatArray
     width: float
@@ -276,7 +306,7 @@ class IsotropicDescent:
     @classmethod
     def of(cls, center: Center, transfer: Transfer) -> IsotropicDescent:
         """Tabulate a lobe."""
-        one_of("center of an isotropic lobe", center, ("lobe", "reflection", "normal"))
+        one_of("center of an isotropic lobe", center, CENTERS["isotropic"])
         table = lobe_tables.isotropic_table(transfer, LARGEST_OUTSIDE)
         envelope = table.envelope[None]
         gamma = gamma_table(center, transfer)
@@ -304,12 +334,8 @@ class IsotropicDescent:
 
     def to_arrays(self) -> NamedArrays:
         """Return what `from_arrays` takes, `center` apart; the ratio as rows of azimuths."""
-        names = ("width", "envelope", "caps", "integral", "above", "below")
-        return {
-            "gamma": self.gamma[None],
-            "ratio": self.ratio.reshape(-1, self.ratio.shape[-1]),
-            **{name: np.asarray(getattr(self, name)) for name in names},
-        }
+        numbers = numbers_of(self, "width", "envelope", "caps", "integral", "above", "below")
+        return {"gamma": self.gamma[None], "ratio": as_rows(self.ratio), **numbers}
 
     @classmethod
     def from_arrays(cls, center: Center, arrays: NamedArrays) -> IsotropicDescent:
@@ -322,15 +348,9 @@ class IsotropicDescent:
         """
         # Tables; the rows of the ratio run over views, channels and lights.
         envelope = table(arrays, "envelope", (None, None)).astype(np.float32)
-        rows = table(arrays, "ratio", (None, None)).astype(np.float32)
-        caps = table(arrays, "caps", (None, 2))
-        views, lights, azimuths = len(caps), lobe_tables.LIGHT_INTERVALS + 2, rows.shape[1]
-        channels = len(rows) // max(views * lights, 1)
-        if channels not in (1, 3) or len(rows) != channels * views * lights or views < 2 or azimuths < 3:
-            raise ValueError(f"ratio of shape {rows.shape}")
-        if len(envelope) not in (1, channels) or envelope.shape[1] < 3:
+        ratio, caps = ratio_from(arrays), angle_pairs(arrays, "caps", lobe_tables.VIEW_INTERVALS + 1)
+        if len(envelope) not in (1, ratio.shape[1]) or envelope.shape[1] < 3:
             raise ValueError(f"envelope of shape {envelope.shape}")
-        ratio = np.ascontiguousarray(rows.reshape(views, -1, lights, azimuths))
 
         # Numbers, and the angles to the center
         width, integral, above, below = (
@@ -366,6 +386,25 @@ class IsotropicDescent:
         """Return angles of views; see `LobeDescent`."""
         theta_v = np.arccos(np.sqrt(cos2))
         return np.asarray(theta_v + gamma_at(self.gamma, theta_v))
+
+
+DESCENTS: dict[str, type[RadialDescent] | type[ZonalDescent] | type[IsotropicDescent]] = {
+    cls.kind: cls for cls in (RadialDescent, ZonalDescent, IsotropicDescent)
+}
+
+
+def descent_from_arrays(
+    kind: str, center: Center, arrays: NamedArrays
+) -> RadialDescent | ZonalDescent | IsotropicDescent:
+    """Restore a lobe from its kind and what `to_arrays` returned, with the error of its table.
+
+    Raises
+    ------
+    KeyError, ValueError
+        If there is no such kind, or an array is missing, or none that the core could use.
+    """
+    lobe = DESCENTS[kind].from_arrays(center, arrays)
+    return replace(lobe, table_error=number(arrays, "table error"))
 
 
 def _depth(threshold: float, integral: float, finest: float) -> dict[str, Any]:

@@ -8,6 +8,7 @@ and its children, and only where their difference would change the reflected lig
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,11 @@ from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf import BRDF
 from shrm.brdf.lobe import Center
 from shrm.environment import Environment
-from shrm.integrate.descent_lobes import LobeDescent, lobe_descent
-from shrm.integrate.queries import DEFAULT_SIZE, lobes_of, pixels_of, queries
+from shrm.files import PathLike
+from shrm.integrate import file
+from shrm.integrate.descent_lobes import LobeDescent, descent_from_arrays, lobe_descent
+from shrm.integrate.queries import DEFAULT_SIZE, LARGEST_SIZE, lobes_of, pixels_of, queries
+from shrm.integrate.saved_arrays import number as saved_number
 from shrm.integrate.threshold import Frames, frames_at, map_texels, predicted_error, threshold_for
 from shrm.lobes.reflection import Layout, Reflection
 from shrm.validation import fraction, number, one_of, whole_number
@@ -68,7 +72,7 @@ def prefilter_hierarchical(
     """
     pixels = pixels_of(env)
     one_of("layout", layout, DEFAULT_SIZE)
-    edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, 16384)
+    edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, LARGEST_SIZE)
 
     # Either a tolerance or a threshold
     if tolerance is not None and threshold is not None:
@@ -83,7 +87,15 @@ def prefilter_hierarchical(
     lobes = [lobe_descent(lobe) for lobe in lobes_of(brdf)]
     if not lobes:
         raise ValueError("brdf has no lobes, but needs at least one")
-    return HierarchicalReflection(pixels, lobes, edge, layout, tolerance, threshold)
+    pyramid = _core.Pyramid(pixels)
+    if tolerance is None:
+        thresholds, errors = [float(threshold or 0.0)] * len(lobes), None
+    else:
+        searched = [threshold_for(lobe, pyramid, edge, tolerance) for lobe in lobes]
+        thresholds, errors = [value for value, _ in searched], [error for _, error in searched]
+    return HierarchicalReflection(
+        pixels, pyramid, lobes, thresholds, edge, layout, brdf=brdf.name, errors=errors
+    )
 
 
 class HierarchicalReflection(Reflection):
@@ -93,6 +105,8 @@ class HierarchicalReflection(Reflection):
 
     Attributes
     ----------
+    brdf : str
+        The material's name.
     threshold : tuple of float
         Threshold of each lobe.
     evaluations : float
@@ -102,26 +116,27 @@ class HierarchicalReflection(Reflection):
     def __init__(
         self,
         pixels: Float32Array,
+        pyramid: _core.Pyramid,
         lobes: Sequence[LobeDescent],
+        threshold: Sequence[float],
         size: int,
         layout: Layout,
-        tolerance: float | None,
-        threshold: float | None,
+        *,
+        brdf: str,
+        errors: Sequence[float] | None = None,
     ) -> None:
-        self._size, self._layout = size, layout
-        self.evaluations = 0.0
-        self._pixels = pixels
-        self._pyramid = _core.Pyramid(pixels)
-        self._shape, self._order, self._targets = map_texels(layout, size)
+        self._pixels, self._pyramid = pixels, pyramid
         self._lobes = tuple(lobes)
-        self._errors: tuple[float, ...] | None = None
-        if threshold is None:
-            assert tolerance is not None
-            searched = [threshold_for(lobe, self._pyramid, size, tolerance) for lobe in self._lobes]
-            self.threshold = tuple(threshold for threshold, _ in searched)
-            self._errors = tuple(error for _, error in searched)
-        else:
-            self.threshold = (float(threshold),) * len(self._lobes)
+        self._size, self._layout = size, layout
+        self._errors = None if errors is None else tuple(errors)
+        self.brdf = brdf
+        self.threshold = tuple(threshold)
+        self.evaluations = 0.0
+
+    @cached_property
+    def _texels(self) -> tuple[tuple[int, ...], npt.NDArray[np.intp], FloatArray]:
+        """The maps' texels, as `map_texels` has them."""
+        return map_texels(self.layout, self.size)
 
     @property
     def size(self) -> int:
@@ -213,15 +228,66 @@ class HierarchicalReflection(Reflection):
 
     def lobe_maps(self, view: FloatArray) -> Iterator[Float32Array]:
         """Yield the map of each lobe; see `shrm.lobes.reflection.Reflection`."""
-        v = np.broadcast_to(view, self._targets.shape)
+        shape, order, targets = self._texels
+        v = np.broadcast_to(view, targets.shape)
         self.evaluations = 0.0
         for lobe, threshold in zip(self._lobes, self.threshold, strict=True):
-            pixels = np.empty(self._targets.shape, np.float32)
-            pixels[self._order] = self._reflected(lobe, frames_at(lobe, self._targets, v), threshold)
-            yield pixels.reshape(self._shape)
+            pixels = np.empty(targets.shape, np.float32)
+            pixels[order] = self._reflected(lobe, frames_at(lobe, targets, v), threshold)
+            yield pixels.reshape(shape)
 
     def _reflected(self, lobe: LobeDescent, frames: Frames, threshold: float) -> Float32Array:
         """Return the radiance of one lobe at frames, and count its evaluations."""
         radiance, evaluations = lobe.radiance(self._pyramid, *frames, threshold)
         self.evaluations += evaluations
         return radiance
+
+    # ---- Files
+
+    def save(self, path: PathLike) -> None:
+        """Write an OpenEXR file with the light and the tables of lobes (`shrm.integrate.file`).
+
+        The predicted error is in it if it is known, and found again otherwise.
+
+        Raises
+        ------
+        shrm.ImageError
+            If it cannot be written.
+        """
+        lobes = []
+        for k, lobe in enumerate(self._lobes):
+            numbers = {"table error": lobe.table_error, "threshold": self.threshold[k]}
+            if self._errors is not None:
+                numbers["error"] = self._errors[k]
+            arrays = {**lobe.to_arrays(), **{name: np.asarray(value) for name, value in numbers.items()}}
+            lobes.append(file.SavedLobe(lobe.kind, lobe.center, arrays))
+        file.write(
+            path,
+            file.SavedIntegration(
+                "hierarchical", self.brdf, self._pixels, self.layout, self.size, tuple(lobes), {}
+            ),
+        )
+
+    @classmethod
+    def load(cls, path: PathLike) -> HierarchicalReflection:
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        shrm.ImageError
+            If it cannot be read, is damaged, or holds something else.
+        """
+        saved = file.read(path, "hierarchical", ())
+        with file.refusing_damage(path):
+            arrays = [lobe.arrays for lobe in saved.lobes]
+            known = all("error" in of_lobe for of_lobe in arrays)
+            return cls(
+                saved.pixels,
+                _core.Pyramid(saved.pixels),
+                [descent_from_arrays(lobe.kind, lobe.center, lobe.arrays) for lobe in saved.lobes],
+                [saved_number(of_lobe, "threshold") for of_lobe in arrays],
+                saved.size,
+                saved.layout,
+                brdf=saved.brdf,
+                errors=[saved_number(of_lobe, "error") for of_lobe in arrays] if known else None,
+            )

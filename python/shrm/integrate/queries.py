@@ -16,6 +16,16 @@ from shrm.validation import unit_vectors
 DEFAULT_SIZE: dict[Layout, int] = {"latlong": 128, "cube": 64}
 """Rows of a lat-long map, and of a cube's face, by default."""
 
+LARGEST_SIZE = 16384
+"""Most rows of a map, or of a cube's face."""
+
+CENTERS: dict[str, tuple[Center, ...]] = {
+    "radial": ("reflection", "normal"),
+    "zonal": ("reflection", "normal", "tangent"),
+    "isotropic": ("lobe", "reflection", "normal"),
+}
+"""Centers that lobes of each kind may have."""
+
 
 def map_directions(layout: Layout, size: int) -> FloatArray:
     """Return the directions of texels: (size, 2 size, 3), or (6, size, size, 3) as `strip` has them."""

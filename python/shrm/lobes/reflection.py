@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.lobe import Center
+from shrm.files import PathLike
 from shrm.validation import unit_vectors
 
 Layout = Literal["latlong", "cube"]
@@ -82,6 +83,21 @@ class Reflection(ABC):
         -------
         iterable of (size, 2 size, 3) or (6, size, size, 3) float32
             Arrays that the caller may write to.
+        """
+
+    @abstractmethod
+    def save(self, path: PathLike) -> None:
+        """Write a file that `shrm.load`, and `load` of the class, read: all that is needed, but no code.
+
+        Parameters
+        ----------
+        path : path
+            An OpenEXR file, `.exr`; it appears whole or not at all.
+
+        Raises
+        ------
+        shrm.ImageError
+            If it cannot be written.
         """
 
     def maps_at_view(self, view: npt.ArrayLike) -> dict[str, Float32Array]:

@@ -29,7 +29,7 @@ import numpy.typing as npt
 from shrm import image_io
 from shrm.arrays import FloatArray
 from shrm.brdf.lobe import Center
-from shrm.files import PathLike
+from shrm.files import PathLike, one_line
 from shrm.frequency.rings import BORDER
 from shrm.image_io import ImageError
 from shrm.lobes.reflection import Layout
@@ -117,7 +117,7 @@ def read(path: PathLike) -> tuple[SavedLobe, ...]:
             raise ValueError(f"shrm:lobes = {lobes}")
         return tuple(_lobe(images, k, str(metadata["shrm:brdf"])) for k in range(lobes))
     except (KeyError, ValueError, TypeError, IndexError, OverflowError) as fault:
-        raise ImageError(f"{path}: damaged prefiltered maps ({fault})") from fault
+        raise ImageError(f"{path}: damaged prefiltered maps ({one_line(fault)})") from fault
 
 
 # ---- A lobe to pictures
