@@ -266,9 +266,9 @@ def test_half_floats_do_not_overflow():
     A = slow_matrices(50, 1, seed=17).astype(np.float64) * 1e12
     pca = exact(A, K=5)
     assert np.isfinite(pca.halved().weights).all()
-    with pytest.raises(ValueError, match="too large for half floats"):
+    with pytest.raises(ValueError, match="must be within the range of half floats"):
         pca.halved(components=True)
-    with pytest.raises(ValueError, match="half floats already"):
+    with pytest.raises(ValueError, match="weights must be float32 before they are halved"):
         pca.halved().halved()
 
 

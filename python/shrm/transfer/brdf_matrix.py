@@ -46,10 +46,10 @@ from shrm.validation import one_of, require_instance, unit_vectors, whole_number
 Extension = Literal["least-squares", "even", "zero"]
 
 RIDGE = 1e-3
-"""Of the least squares, against the 1 of an orthonormal basis."""
+"""Ridge of the least squares, beside the 1 that an orthonormal basis has on the diagonal of S."""
 
 QUADRATURE_ERROR = 1e-4
-"""The error of a row, over the RMS of rows, that is accepted of its quadrature."""
+"""Error of a row by its quadrature that is accepted, over the RMS of rows."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -119,17 +119,23 @@ def project(
     require_brdf(brdf)
     m, n = whole_number("m", m, 1, MOST_ORDER), whole_number("n", n, 1, MOST_ORDER)
     one_of("extension", extension, get_args(Extension))
+
+    # The window
     damping = np.ones(m * m)
     if window_above is not None:
         damping = _window(m, whole_number("window_above", window_above, 0, m - 1))
+
+    # Rows at the views of a quadrature
     views, weights, sampled, error = _over_hemisphere(brdf, m, n)
     _warn_of(brdf, error)
     values = np.moveaxis(sampled, 0, 1).reshape(len(views), -1)  # (views, channels n^2)
+
+    # Their expansion, and what it leaves
     Y = sh.evaluate(np.eye(m * m), views)
     integrals = Y.T @ (weights[:, None] * values)
     B = damping[:, None] * _extended(integrals, m, extension)
-    lost, whole = (float((weights @ residual**2).sum()) for residual in (values - Y @ B, values))
-    snr = 10 * np.log10(whole / lost) if lost > 0 else np.inf
+    lost, energy = (float((weights @ part**2).sum()) for part in (values - Y @ B, values))
+    snr = 10 * np.log10(energy / lost) if lost > 0 else np.inf
     coefficients = np.moveaxis(B.reshape(m * m, len(sampled), n * n), 1, 0)
     return BRDFMatrix(_squeezed(coefficients), extension, window_above, float(snr), error)
 
@@ -206,7 +212,7 @@ def project_on_tents(brdf: BRDF, basis: DirectionalBasis, n: int, points: int = 
     views, weights = basis.quadrature(points)
     sampled = rows(brdf, views, n)
     channels = sampled if sampled.ndim == 3 else sampled[None]
-    tents = [basis.solve(basis.accumulate(weights[:, None] * one, views)) for one in channels]
+    tents = [basis.solve(basis.accumulate(weights[:, None] * channel, views)) for channel in channels]
     return _squeezed(np.stack(tents))
 
 
@@ -215,14 +221,14 @@ def project_on_tents(brdf: BRDF, basis: DirectionalBasis, n: int, points: int = 
 
 @lru_cache(maxsize=8)
 def _over_hemisphere(brdf: BRDF, m: int, n: int) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """Views (k, 3), their weights (k,), rows (channels, k, n^2) and the rows' error: for every extension."""
+    """Return views (k, 3), weights (k,), rows (channels, k, n^2) and their error, for all extensions."""
     # Isotropic rows have frequencies below n about the normal; 20 more are for anisotropy.
     views, weights = hemisphere_quadrature(20 + m, 20 + m + n)
     return views, weights, *_sampled(brdf, views, n)
 
 
 def _extended(integrals: FloatArray, m: int, extension: Extension) -> FloatArray:
-    """B from the integrals of harmonics times rows over the hemisphere, (m^2, columns)."""
+    """Return B (m^2, columns) from the integrals of harmonics times rows over the hemisphere."""
     if extension == "least-squares":
         return np.asarray(np.linalg.solve(hemispherical_gram(m) + RIDGE * np.eye(m * m), integrals))
     if extension == "even":
@@ -233,13 +239,13 @@ def _extended(integrals: FloatArray, m: int, extension: Extension) -> FloatArray
 
 
 def _window(m: int, above: int) -> FloatArray:
-    """Weights (m^2,) of harmonics: 1 to the degree `above`, then Hann's cosine."""
+    """Return weights (m^2,) of harmonics: 1 to the degree `above`, then Hann's cosine."""
     l, _ = _degrees(m)
     return np.where(l > above, (1 + np.cos(np.pi * (l - above) / (m - above))) / 2, 1.0)
 
 
 def _degrees(m: int) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Degrees and orders of the harmonics up to order m, (m^2,) each, at index l(l+1)+m."""
+    """Return degrees and orders of the harmonics up to order m, (m^2,) each, at index l(l+1)+m."""
     l = np.repeat(np.arange(m), 2 * np.arange(m) + 1)
     return l, np.arange(m * m) - l * (l + 1)
 
@@ -248,12 +254,12 @@ def _degrees(m: int) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
 
 
 def _sampled(brdf: BRDF, views: FloatArray, n: int) -> tuple[FloatArray, float]:
-    """Rows (channels, k, n^2), and the largest relative error of a lobe's."""
+    """Return rows (channels, k, n^2), and the largest relative error of a lobe's."""
     integrals = [_LobeRows(lobe, n) for lobe in brdf.lobes]
     error = max(integral.error for integral in integrals)
     total = np.zeros((brdf.channels, len(views), n * n))
     for integral in integrals:
-        total += integral(views)  # a grey lobe adds to every channel
+        total += integral(views)  # a gray lobe adds to every channel
     return total, error
 
 
@@ -270,14 +276,14 @@ class _LobeRows:
         # Others keep their rows, but for a rotation, when the view turns about the normal.
         self.turns = lobe.kind == "anisotropic" or lobe.center == "tangent"
         self.mirrored = self.turns and _is_mirrored(lobe)
-        some = (0.0, np.pi / 4, np.pi / 2) if self.turns else (0.0,)
-        centers = [lobe_center(partial(self._transfer, phi=phi)) for phi in some]
+        azimuths = (0.0, np.pi / 4, np.pi / 2) if self.turns else (0.0,)
+        centers = [lobe_center(partial(self._transfer, phi=phi)) for phi in azimuths]
         self.gamma = np.mean([gamma for gamma, _ in centers], axis=0)
         self.width = min(width for _, width in centers)
         self.nodes, self.error = self._settled()
 
     def __call__(self, views: FloatArray) -> FloatArray:
-        """Rows (channels, k, n^2) at views (k, 3)."""
+        """Return rows (channels, k, n^2) at views (k, 3)."""
         theta = np.arctan2(np.hypot(views[:, 0], views[:, 1]), views[:, 2])
         phi = np.arctan2(views[:, 1], views[:, 0])
         if self.mirrored:  # views of a quadrature are in fours: one of them is enough
@@ -288,19 +294,19 @@ class _LobeRows:
         return _rotated_about_z(self._rows(unique, 0 * unique, self.nodes)[:, ring], phi)
 
     def _folded(self, views: FloatArray) -> FloatArray:
-        """Rows of a lobe that is its own mirror image in x and in y."""
-        some, which = np.unique(np.abs(views).round(_DIGITS), axis=0, return_inverse=True)
-        x, y, z = some.T
+        """Return rows of a lobe that is its own mirror image in x and in y: evaluated in one quadrant."""
+        distinct, which = np.unique(np.abs(views).round(_DIGITS), axis=0, return_inverse=True)
+        x, y, z = distinct.T
         theta, phi = np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)
-        found = _rotated_about_z(self._rows(theta, phi, self.nodes), phi)[:, which.ravel()]
+        in_quadrant = _rotated_about_z(self._rows(theta, phi, self.nodes), phi)[:, which.ravel()]
         # x to -x takes phi to pi - phi: cos(m phi) by (-1)^m, sin(m phi) by -(-1)^m. y to -y: phi to -phi
         order, sines = _degrees(self.n)[1] % 2 == 1, _degrees(self.n)[1] < 0
         in_x, in_y = np.where(order ^ sines, -1.0, 1.0), np.where(sines, -1.0, 1.0)
         signs = np.where(views[:, :1] < 0, in_x, 1.0) * np.where(views[:, 1:2] < 0, in_y, 1.0)
-        return np.asarray(found * signs)
+        return np.asarray(in_quadrant * signs)
 
     def _settled(self) -> tuple[tuple[int, int], float]:
-        """Nodes for each panel and azimuths; the most that twice as many change at a view, over the RMS."""
+        """Return nodes of each panel and azimuths, and what twice as many change at a view, over the RMS."""
         theta, phi = (
             grid.ravel() for grid in np.meshgrid(_SAMPLED, [0.0, 0.6, 1.2, 1.5] if self.turns else [0.0])
         )
@@ -316,13 +322,13 @@ class _LobeRows:
         return _NODES[-1], error
 
     def _rows(self, theta_v: FloatArray, phi_v: FloatArray, nodes: tuple[int, int]) -> FloatArray:
-        """Rows (channels, views, n^2) in frames turned by phi_v about the normal: V is at azimuth 0."""
+        """Return rows (channels, views, n^2) in frames turned by phi_v about the normal: V at azimuth 0."""
         theta_v = np.minimum(theta_v, _GRAZING)
         blocks = [slice(start, start + _BLOCK) for start in range(0, len(theta_v), _BLOCK)]
         return np.concatenate([self._block(theta_v[at], phi_v[at], nodes) for at in blocks], axis=1)
 
     def _block(self, theta_v: FloatArray, phi_v: FloatArray, nodes: tuple[int, int]) -> FloatArray:
-        """See `_rows`."""
+        """Return the rows of `_rows` for some views, few enough for the memory of their nodes."""
         least, K = nodes
         gamma = gamma_at(self.gamma, theta_v)
         rule = horizon_quadrature(gamma, self.width, 2 * self.n, K, least)
@@ -342,7 +348,7 @@ class _LobeRows:
         return np.where(odd, (here - mirrored) @ Y, (here + mirrored) @ Y)[:, :, 0]  # [LK03] eq. 3
 
     def _transfer(self, wi: FloatArray, wo: FloatArray, phi: FloatArray | float) -> FloatArray:
-        """rho_hat of directions that are turned by phi about the normal first."""
+        """Return rho_hat of directions that are turned by phi about the normal first."""
         if not self.turns:
             return self.lobe.transfer(wi, wo)
         cosine, sine = np.cos(phi), np.sin(phi)
@@ -356,15 +362,23 @@ class _LobeRows:
 
 
 _NODES = ((10, 16), (20, 32), (40, 64), (80, 128))
+"""Nodes of a panel, and azimuths, that are tried: each twice those before."""
+
 _SAMPLED = np.array([0.05, 0.5, 1.0, 1.3, 1.5])
+"""Angles of views to the normal, in radians, at which numbers of nodes are compared."""
+
 _GRAZING = np.pi / 2 - 1e-6
+"""The largest angle of a view to the normal, in radians: rows at the horizon are those just above."""
+
 _BLOCK = 16
+"""Views whose nodes are evaluated together, so that their memory stays small."""
+
 _DIGITS = 12
-"""In which views are the same."""
+"""Decimals of the coordinates in which views count as the same: beyond are roundings of a quadrature."""
 
 
 def _is_mirrored(lobe: Lobe) -> bool:
-    """Whether a lobe stays the same when both directions are mirrored in x, and in y; at random ones."""
+    """Tell whether a lobe stays the same when both directions, random ones, are mirrored in x, and in y."""
     rng = np.random.default_rng(0)
     wi, wo = (w / np.linalg.norm(w, axis=1, keepdims=True) for w in rng.standard_normal((2, 64, 3)))
     # About the tangent the frame has z = T: x and y of the normal's frame are z and x
@@ -376,7 +390,7 @@ def _is_mirrored(lobe: Lobe) -> bool:
 
 
 def _rotated_about_z(rows: FloatArray, phi: FloatArray) -> FloatArray:
-    """Coefficients (channels, k, n^2) of functions of the light that are turned by phi (k,) about z."""
+    """Return coefficients (channels, k, n^2) of functions of the light turned by phi (k,) about z."""
     _, m = _degrees(round(np.sqrt(rows.shape[2])))
     mirrored = np.arange(len(m)) - 2 * m  # the index of (l, -m)
     # c cos(m (phi' - phi)) + s sin(m (phi' - phi)), with m of either sign
@@ -384,10 +398,11 @@ def _rotated_about_z(rows: FloatArray, phi: FloatArray) -> FloatArray:
 
 
 def _warn_of(brdf: BRDF, error: float) -> None:
+    """Warn where the quadrature of a lobe did not settle."""
     if error > QUADRATURE_ERROR:
         warnings.warn(f"{brdf.name}: rows are only known to {error:.1e}", RuntimeWarning, stacklevel=3)
 
 
 def _squeezed(channels: FloatArray) -> FloatArray:
-    """Drop the first axis of a grey material's (1, ..., ...)."""
+    """Drop the first axis of arrays (1, ..., ...) of a gray material."""
     return np.ascontiguousarray(channels[0] if len(channels) == 1 else channels)

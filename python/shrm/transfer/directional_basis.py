@@ -27,7 +27,7 @@ from shrm.lobes.quadrature import columns, unit_gauss
 from shrm.validation import real_array, unit_vectors, whole_number
 
 MOST_TENTS = 128
-"""The largest M."""
+"""The largest M that bases are made for."""
 
 MOST_ORDER = 32
 """The largest order m of spherical harmonics."""
@@ -125,8 +125,8 @@ class DirectionalBasis:
 
     def gram(self) -> FloatArray:
         """Return the Gram matrix G, (M^2, M^2) float64, exactly [LK03 eq. 7]."""
-        one = gram_of_one_dimension(self.M)
-        return np.asarray(2 * np.pi * np.kron(one, one))
+        G1 = gram_of_one_dimension(self.M)
+        return np.asarray(2 * np.pi * np.kron(G1, G1))
 
     def solve(self, right: npt.ArrayLike) -> FloatArray:
         """Return G^-1 times integrals against the tents, one dimension of the square after the other.
@@ -140,13 +140,13 @@ class DirectionalBasis:
         (M^2, channels) float64
         """
         M, rows = self.M, self._rows("right", right, self.size)
-        one = gram_of_one_dimension(M)
-        along_v = np.linalg.solve(one, rows.reshape(M, -1))  # (j, i channels)
-        along_u = np.linalg.solve(one, along_v.reshape(M, M, -1))  # each j: (i, channels)
+        G1 = gram_of_one_dimension(M)
+        along_v = np.linalg.solve(G1, rows.reshape(M, -1))  # (j, i channels)
+        along_u = np.linalg.solve(G1, along_v.reshape(M, M, -1))  # each j: (i, channels)
         return np.asarray(along_u.reshape(self.size, -1) / (2 * np.pi))
 
     def quadrature(self, points: int) -> tuple[FloatArray, FloatArray]:
-        """Nodes over the hemisphere for functions times tents: Gauss in four triangles of every cell.
+        """Return nodes over the hemisphere for functions times tents: Gauss in four triangles of every cell.
 
         Cells are cut along both diagonals, where the concentric map has kinks. Triangles that meet the
         pole, where the map is singular, have it as their collapsed vertex [D82].
@@ -232,8 +232,8 @@ class DirectionalBasis:
             If M is no whole number in its range.
         """
         M = whole_number("M", M, 2, self.M)
-        one = np.linalg.solve(gram_of_one_dimension(M), _products_of_one_dimension(M, self.M))
-        return np.asarray(np.kron(one, one))
+        along = np.linalg.solve(gram_of_one_dimension(M), _products_of_one_dimension(M, self.M))
+        return np.asarray(np.kron(along, along))
 
     # ---- Its error
 
@@ -252,12 +252,13 @@ class DirectionalBasis:
         return -10 * np.log10(mean) if mean > _ROUNDING else np.inf
 
     def _rows(self, name: str, value: npt.ArrayLike, count: int) -> FloatArray:
-        """An array of `count` rows, (count,) or (count, channels), as (count, channels) in C order."""
+        """Return an array (count,) or (count, channels) as (count, channels) in C order."""
         array = real_array(name, value, (count,), (count, "channels"))
         return np.ascontiguousarray(array[:, None] if array.ndim == 1 else array)
 
 
 _ROUNDING = 1e-14
+"""Mean squared error below which a projection is exact but for rounding."""
 
 
 def hemispherical_gram(m: int) -> FloatArray:
@@ -290,7 +291,7 @@ def hemisphere_quadrature(rings: int, azimuths: int) -> tuple[FloatArray, FloatA
 
 
 def gram_of_one_dimension(M: int) -> FloatArray:
-    """Return G1 (M, M), gram = 2 pi G1 (x) G1: h/6 [1 4 1], h = 1 / (M-1); h/3 at the ends: half tents."""
+    """Return G1 (M, M), G = 2 pi G1 (x) G1: h/6 [1 4 1], h = 1 / (M - 1); h/3 at the ends."""
     diagonal = np.full(M, 4.0)
     diagonal[[0, -1]] = 2.0
     neighbours = np.ones(M - 1)
@@ -298,7 +299,7 @@ def gram_of_one_dimension(M: int) -> FloatArray:
 
 
 def _products_of_one_dimension(coarse: int, fine: int) -> FloatArray:
-    """Integrals of products of tents of two spacings, (coarse, fine): Gauss between the nodes of both."""
+    """Return integrals (coarse, fine) of products of tents of two spacings: Gauss between all nodes."""
     edges = np.union1d(np.linspace(0, 1, coarse), np.linspace(0, 1, fine))
     x, w = unit_gauss(2)  # exact for the squares between two nodes
     positions = (edges[:-1, None] + np.diff(edges)[:, None] * x).ravel()
@@ -310,16 +311,20 @@ def _products_of_one_dimension(coarse: int, fine: int) -> FloatArray:
 
 
 def _square_quadrature(M: int, points: int) -> tuple[FloatArray, FloatArray]:
-    """Positions (n, 2) on the unit square, and weights (n,) that sum to 2 pi."""
+    """Return positions (n, 2) on the unit square, and weights (n,) that sum to 2 pi."""
+    # The triangles of the cells, cut along both diagonals
     edges = np.linspace(0, 1, M)
     low = np.stack(np.meshgrid(edges[:-1], edges[:-1], indexing="xy"), axis=-1).reshape(-1, 1, 2)
     h = edges[1]
     corners = low + h * np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
     middles = np.broadcast_to(low + h / 2, corners.shape)
     triangles = np.stack([corners, np.roll(corners, -1, axis=1), middles], axis=2).reshape(-1, 3, 2)
+
     # The vertex nearest to the pole first: there all s coincide
     nearest = np.argsort(((triangles - 0.5) ** 2).sum(axis=2), axis=1, kind="stable")
     A, B, C = np.moveaxis(np.take_along_axis(triangles, nearest[..., None], axis=1), 1, 0)[:, :, None]
+
+    # Gauss nodes in each
     x, w = unit_gauss(points)
     r, s = (grid.reshape(-1, 1) for grid in np.meshgrid(x, x, indexing="ij"))
     positions = A + r * (B - A) + r * s * (C - B)  # [D82]
@@ -329,11 +334,12 @@ def _square_quadrature(M: int, points: int) -> tuple[FloatArray, FloatArray]:
 
 @lru_cache(maxsize=8)
 def _change_of_basis(M: int, m: int) -> FloatArray:
+    """Return C, (M^2, m^2), see `DirectionalBasis.change_of_basis`; to be read only."""
     basis = DirectionalBasis(M)
     directions, weights = basis.quadrature(_points(m))
     return basis.accumulate(weights[:, None] * sh.evaluate(np.eye(m * m), directions), directions)
 
 
 def _points(m: int) -> int:
-    """Gauss points for harmonics of order m, in cells of any size."""
+    """Return how many Gauss points suit harmonics of order m, in cells of any size."""
     return 8 + m

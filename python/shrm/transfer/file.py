@@ -58,13 +58,26 @@ from shrm.transfer.variant import Variant
 Array = npt.NDArray[Any]
 
 MAGIC = b"\x89SHRT\r\n\x1a"
+"""The first bytes of a file, which text modes and seven bits would damage."""
+
 VERSION = 1
+"""The version of the format that is written and read."""
+
 LONGEST_HEADER = 1 << 24
+"""Bytes of the longest header: those of a file that says more are damaged, and are not read."""
 
 _FIXED = struct.Struct("<8sIIQ")
+"""The magic, the version, the header's length and the file's size, at the start of a file."""
+
 _CHECK = struct.Struct("<II")
+"""The checksum, and zeros, after those."""
+
 _ALIGNMENT = 64
+"""Bytes to whose multiples arrays are aligned: a line of the caches."""
+
 _BLOCK_BYTES = 1 << 26
+"""Bytes of an array that are copied at once."""
+
 _DTYPES = {
     "vertices": ("<f4",),
     "faces": ("<i4",),
@@ -75,15 +88,16 @@ _DTYPES = {
     "clusters": ("<i4",),
     "matrices": ("<f4", "<f2"),
 }
+"""What arrays may be made of, by the last part of their names."""
 
 
 class TransferFileError(ValueError):
-    """A transfer file cannot be read or written; the text names the file and the fault in one line."""
+    """Error of a transfer file that cannot be read or written: its name and the fault, in one line."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Saved(Described):
-    """What a file holds: the fields of `shrm.transfer.RadianceTransfer`, as they are read.
+    """Content of a file: the fields of `shrm.transfer.RadianceTransfer`, as they are read.
 
     What the arrays must be to fit each other is for that class to check.
     """
@@ -164,7 +178,7 @@ def damaged(path: PathLike, fault: Exception) -> TransferFileError:
 
 
 class _ContentError(ValueError):
-    """What is wrong with a file whose name is not known here."""
+    """Fault of a file whose name is not known here."""
 
 
 # ---- Writing
@@ -248,6 +262,7 @@ def _write_array(file: BinaryIO, array: Array) -> int:
 
 
 def _text(header: Mapping[str, Any]) -> bytes:
+    """Return the header as JSON."""
     try:
         return json.dumps(header, allow_nan=False, separators=(",", ":")).encode()
     except (TypeError, ValueError) as fault:
@@ -255,6 +270,7 @@ def _text(header: Mapping[str, Any]) -> bytes:
 
 
 def _aligned(end: int) -> int:
+    """Return the first multiple of the alignment from here on."""
     return -(-end // _ALIGNMENT) * _ALIGNMENT
 
 
@@ -262,7 +278,8 @@ def _aligned(end: int) -> int:
 
 
 def _opened(path: Path) -> tuple[dict[str, Any], npt.NDArray[np.uint8], int]:
-    """The header, the file as mapped bytes, and where its arrays start; nothing large is in memory."""
+    """Return the header, the file as mapped bytes, and where its arrays start; check all but those."""
+    # The sizes, which must be those of the file
     actual = path.stat().st_size
     with path.open("rb") as file:
         fixed = file.read(_FIXED.size)
@@ -281,6 +298,8 @@ def _opened(path: Path) -> tuple[dict[str, Any], npt.NDArray[np.uint8], int]:
                 f"damaged transfer file (a header of {length} bytes, {total} in all of {actual})"
             )
         text = file.read(length)
+
+    # The text, which must be that of the checksum
     crc, zero = _CHECK.unpack(check)
     if len(text) != length or zero or crc != zlib.crc32(text, zlib.crc32(fixed)):
         raise _ContentError("damaged transfer file (the header's checksum does not match)")
@@ -293,18 +312,24 @@ def _opened(path: Path) -> tuple[dict[str, Any], npt.NDArray[np.uint8], int]:
 def _arrays(
     header: Mapping[str, Any], data: npt.NDArray[np.uint8], start: int, verify: bool
 ) -> dict[str, Array]:
+    """Return the arrays by their names, mapped; they must lie one after the other as the header says."""
     arrays: dict[str, Array] = {}
     end = 0
     for entry in header["arrays"]:
+        # What it is
         name, dtype, shape = str(entry["name"]), entry["dtype"], entry["shape"]
         if name in arrays or dtype not in _DTYPES.get(name.rpartition("/")[2], ()):
             raise ValueError(f"array {name!r} of type {dtype!r}")
         if not isinstance(shape, list) or len(shape) > 5 or not all(_whole(s, 1, len(data)) for s in shape):
             raise ValueError(f"{name} of shape {shape}")
+
+        # Where it lies
         offset, size = _aligned(end), math.prod(shape) * np.dtype(dtype).itemsize
         end = offset + size
         if entry["offset"] != offset or entry["size"] != size or start + end > len(data):
             raise ValueError(f"{name} of {entry['size']} bytes at {entry['offset']}, {size} at {offset} fit")
+
+        # What it holds; uncompressed matrices may be too large to be read for that
         content = data[start + offset : start + end]
         if (verify or not name.endswith("/matrices")) and f"{zlib.crc32(content.data):08x}" != entry["crc32"]:
             raise ValueError(f"the checksum of {name} does not match")
@@ -315,15 +340,20 @@ def _arrays(
 
 
 def _saved(header: Mapping[str, Any], arrays: dict[str, Array]) -> Saved:
+    """Return the content of a file from its header and arrays."""
     material, report = header["material"], header["report"]
     if not isinstance(material, str) or not isinstance(report, dict):
         raise ValueError("material is no text, or report no object")
+
+    # The frames
     quaternions = arrays.pop("quaternions")
     if quaternions.ndim != 2 or quaternions.shape[1] != 4:
         raise ValueError(f"quaternions of shape {quaternions.shape}")
     lengths = np.linalg.norm(quaternions, axis=1)
     if not (np.abs(lengths - 1) < 1e-5).all():
         raise ValueError("quaternions that are not of length 1")
+
+    # The mesh; what is left are the variants'
     vertices, faces, uv = arrays.pop("vertices"), arrays.pop("faces"), arrays.pop("uv", None)
     variants: dict[str, dict[str, Array]] = {}
     for name, array in arrays.items():
@@ -344,13 +374,16 @@ def _saved(header: Mapping[str, Any], arrays: dict[str, Array]) -> Saved:
 
 
 def _whole(value: object, least: int, most: int) -> bool:
+    """Tell whether a value is a whole number in [least, most]."""
     return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
 
 
 def _not_finite(text: str) -> NoReturn:
+    """Refuse NaN and infinities, which Python's JSON knows and JSON does not."""
     raise ValueError(f"the header has the number {text}")
 
 
 def _finite(text: str) -> float:
+    """Read a number; refuse one that overflows."""
     value = float(text)
     return value if math.isfinite(value) else _not_finite(text)

@@ -49,7 +49,7 @@ class RadianceTransfer(Described):
     channels : int
         C: 1, the same for R, G and B, or 3.
     variants : dict of Variant
-        By names of `VARIANTS`, at least one.
+        Variants by their names, those of `VARIANTS`; at least one.
     uv : (V, 2) float32 or None
         Texture coordinates.
     material : str
@@ -103,7 +103,7 @@ class RadianceTransfer(Described):
         self._lit: tuple[tuple[str, int], Lighting] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return what a pickle holds: the object without what was made of it to light it."""
+        """Return what a pickle holds: all but what was made to light the object."""
         return {**vars(self), "_coarser": {}, "_lit": None}
 
     def _fitting(self, name: str, variant: Variant) -> Variant:

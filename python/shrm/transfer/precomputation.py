@@ -48,7 +48,7 @@ from shrm.validation import (
 )
 
 Progress = Callable[[str, int, int], None]
-"""What is being done, in words, and how much of how much of it is finished."""
+"""Called with what is being done, in words, and how much of how much of it is finished."""
 
 MOST_ACCURACY = 60.0
 """The largest accuracy that can be asked for, in dB: rounding to float32 is not far beyond."""
@@ -57,7 +57,7 @@ SAMPLE = 48
 """Vertices at which the accuracy of tents is measured."""
 
 _FINER = 4
-"""Rays that such a vertex casts for the reference, over those of the computation."""
+"""Rays that such a vertex casts for the reference, for each of those of the computation."""
 
 _RAYS = ("rays", "rays with hits")
 """Names of the folders of visibility in the one for work: without hits, and with them."""
@@ -74,15 +74,15 @@ class MeshLike(Protocol):
 
     @property
     def vertices(self) -> npt.NDArray[np.floating[Any]]:
-        """(V, 3)."""
+        """Positions (V, 3)."""
 
     @property
     def faces(self) -> npt.NDArray[np.integer[Any]]:
-        """(T, 3), indices into vertices."""
+        """Indices of vertices (T, 3)."""
 
     @property
     def vertex_normals(self) -> npt.NDArray[np.floating[Any]]:
-        """(V, 3), zero where there is none."""
+        """Normals (V, 3), zero where there is none."""
 
 
 @dataclass(eq=False, repr=False, kw_only=True)
@@ -251,6 +251,7 @@ class Precomputation(Described):
 
     @property
     def _bounces(self) -> int:
+        """How often the object lights itself, where it does."""
         return 1 if self.bounces is None else self.bounces
 
     # ---- Stages
@@ -405,7 +406,7 @@ def _variants_in_order(variants: Sequence[str]) -> list[str]:
 
 @contextmanager
 def _folder(work: PathLike | None) -> Iterator[Path]:
-    """Give the folder for work, or a temporary one."""
+    """Yield the folder for work, or a temporary one."""
     if work is None:
         with tempfile.TemporaryDirectory(prefix="shrm-transfer-") as temporary:
             yield Path(temporary)

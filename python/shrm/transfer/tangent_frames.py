@@ -26,7 +26,7 @@ MOST_ORDER = 32
 """The largest order n, degrees 0 to n - 1."""
 
 _BLOCK = 4096
-"""Frames whose harmonics are evaluated together."""
+"""Frames whose harmonics are evaluated together, so that their memory stays small."""
 
 
 def vertex_frames(normals: npt.ArrayLike, tangents: npt.ArrayLike | None = None) -> FloatArray:
@@ -35,9 +35,10 @@ def vertex_frames(normals: npt.ArrayLike, tangents: npt.ArrayLike | None = None)
     Parameters
     ----------
     normals : (k, 3) array_like
-        Of any length. Where a normal is zero, as at vertices of no face, the frame's normal is the world's z.
+        Normals of any length. Where one is zero, as at vertices of no face, the frame's normal is the
+        world's z.
     tangents : (k, 3) array_like, optional
-        Of any length. Where a tangent is zero or along the normal, or none are given, x is square to the
+        Tangents of any length. Where one is zero or along the normal, or none are given, x is square to the
         normal in a direction that does not matter to isotropic materials.
 
     Returns
@@ -52,10 +53,13 @@ def vertex_frames(normals: npt.ArrayLike, tangents: npt.ArrayLike | None = None)
     """
     n = real_array("normals", normals, ("k", 3))
     t = np.zeros_like(n) if tangents is None else real_array("tangents", tangents, n.shape)
+
+    # The normal, and the tangent's part across it
     z = _unit(n, np.array([0.0, 0.0, 1.0]))
     t = _unit(t, np.zeros(3))
     across = t - np.einsum("kc,kc->k", t, z)[:, None] * z
-    # The axis of the world that is farthest from the normal
+
+    # The axis of the world that is farthest from the normal, where there is no tangent
     spare = np.eye(3)[np.argmin(np.abs(z), axis=1)]
     spare = spare - np.einsum("kc,kc->k", spare, z)[:, None] * z
     defined = np.einsum("kc,kc->k", across, across) > 1e-12
@@ -104,7 +108,7 @@ def local_coefficients(coefficients: npt.ArrayLike, frames: npt.ArrayLike) -> Fl
     Parameters
     ----------
     coefficients : (n^2, channels) or (k, n^2, channels) array_like
-        Of one function, or one for each frame; order n, degrees 0 to n - 1, at most 32.
+        Coefficients of one function, or one for each frame; order n, degrees 0 to n - 1, at most 32.
     frames : (k, 3, 3) array_like
         Rotations global_from_local, orthogonal to 1e-6.
 
@@ -127,10 +131,10 @@ def local_coefficients(coefficients: npt.ArrayLike, frames: npt.ArrayLike) -> Fl
 
 @lru_cache(maxsize=8)
 def _sampling(n: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
-    """Directions (d, 3), and for each degree l < n the pseudo-inverse (2l+1, d) of its harmonics there.
+    """Return directions (d, 3), and for each degree l < n the pseudo-inverse (2l+1, d) of its harmonics.
 
-    On a spiral over a hemisphere: of one degree, the other has the same values but for a sign. 2l+1 of them
-    determine degree l, and half as many more keep the condition number of every degree below 10.
+    They lie on a spiral over a hemisphere: of one degree, the other has the same values but for a sign. 2l+1
+    of them determine degree l, and half as many more keep the condition number of every degree below 10.
     """
     count = 3 * n - 1
     k = np.arange(count)
@@ -143,7 +147,7 @@ def _sampling(n: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
 
 
 def _unit(v: FloatArray, otherwise: FloatArray) -> FloatArray:
-    """Unit vectors (k, 3), or `otherwise` for those that are zero."""
+    """Return unit vectors (k, 3), or `otherwise` for those that are zero."""
     largest = np.abs(v).max(axis=1, initial=0.0, keepdims=True)
     scaled = v / np.where(largest > 0, largest, 1.0)  # squares neither overflow nor vanish
     length = np.linalg.norm(scaled, axis=1, keepdims=True)

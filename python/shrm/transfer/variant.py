@@ -8,7 +8,7 @@ from shrm.arrays import Int32Array, RealArray
 from shrm.transfer.described import Described
 
 VARIANTS = ("unshadowed", "shadowed", "interreflected")
-"""Nothing hides the light; the object does; and its parts send each other light as well."""
+"""Names of the variants: nothing hides the light; the object does; its parts send each other light, too."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,5 +33,5 @@ class Variant(Described):
 
     @property
     def K(self) -> int:
-        """The number of components of a vertex; 0 where there are the matrices alone."""
+        """Number of components of a vertex; 0 where there are the matrices alone."""
         return 0 if self.weights is None else int(self.weights.shape[1])

@@ -33,7 +33,7 @@ def clustered(
     K : int
         Components of a cluster, at most those given.
     seed : int
-        Of the vertices that clusters start from.
+        Seed of the draw of vertices that clusters start from.
     tolerance : float
         It ends when a turn lowers the energy that is left by less than this part of it.
     rounds : int
@@ -51,10 +51,14 @@ def clustered(
     """
     if components.clusters is not None or components.weights.dtype != np.float32:
         raise ValueError("components must be global and in float32, before rounding")
+
+    # Global weights are coordinates: components are orthonormal
     Y = components.weights
     Q, K = whole_number("clusters", clusters, 1, len(Y)), whole_number("K", K, 1, components.K)
     tolerance, rounds = number("tolerance", tolerance, 0), whole_number("rounds", rounds, 1)
     energies = np.einsum("pk,pk->p", Y, Y, dtype=np.float64)
+
+    # Turns of assignment and local components, until they lower the energy by little
     index = _nearest(Y, _lines(Y, Q, np.random.default_rng(seed)), energies)[0]
     before = np.inf
     for _ in range(rounds):
@@ -63,6 +67,8 @@ def clustered(
         if before - left.sum() <= tolerance * left.sum():
             break
         before = left.sum()
+
+    # What the last clusters have
     axes, spectra = _local_components(Y, index, Q, K)
     weights = np.empty((len(Y), K), np.float32)
     for q in range(Q):
@@ -74,7 +80,7 @@ def clustered(
 
 
 def _lines(Y: Float32Array, Q: int, rng: np.random.Generator) -> Float32Array:
-    """Unit vectors (Q, 1, s) along vertices, drawn by the energy that those before leave of them."""
+    """Return unit vectors (Q, 1, s) along vertices, drawn by the energy that those before leave of them."""
     left = np.einsum("pk,pk->p", Y, Y, dtype=np.float64)
     lines = np.zeros((Q, 1, Y.shape[1]), np.float32)
     for q in range(Q):
@@ -88,7 +94,7 @@ def _lines(Y: Float32Array, Q: int, rng: np.random.Generator) -> Float32Array:
 
 
 def _nearest(Y: Float32Array, axes: Float32Array, energies: FloatArray) -> tuple[Int32Array, FloatArray]:
-    """The cluster (V,) that leaves least of each vertex, and what it leaves (V,). No cluster is empty.
+    """Return the cluster (V,) that leaves least of each vertex, and what it leaves (V,); none is empty.
 
     An empty cluster takes the vertex that is served worst, from one that keeps others.
     """
@@ -108,7 +114,7 @@ def _nearest(Y: Float32Array, axes: Float32Array, energies: FloatArray) -> tuple
 
 
 def _local_components(Y: Float32Array, index: Int32Array, Q: int, K: int) -> tuple[Float32Array, FloatArray]:
-    """The K largest components (Q, K, s) of each cluster, and the energies (s,) of the first, second, ..."""
+    """Return the K largest components (Q, K, s) of each cluster, and energies (s,) of first, second, ..."""
     s = Y.shape[1]
     axes, spectra = np.empty((Q, K, s), np.float32), np.zeros(s)
     for q in range(Q):

@@ -14,16 +14,15 @@ from shrm.transfer.directional_basis import gram_of_one_dimension
 from shrm.validation import whole_number
 
 _HALF_EXPONENT = 14
-"""Half weights alone are below 2^14: far from overflow, and with all their digits down to 2^-14."""
-
+"""Exponent below which half weights are brought: far from overflow, all digits down to 2^-14."""
 
 _VERTICES = 4096
-"""Vertices that are taken together where arrays would be large."""
+"""Vertices whose factors are multiplied together: arrays in double precision stay small."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PrincipalComponents(Described):
-    """A_p ~ sum_k w_pk A_k [LK03 eq. 12], or with components for each cluster of vertices [SHHS03].
+    """Components of matrices, A_p ~ sum_k w_pk A_k [LK03 eq. 12]; or of each cluster of vertices [SHHS03].
 
     Attributes
     ----------
@@ -48,6 +47,7 @@ class PrincipalComponents(Described):
     @staticmethod
     def of(weights: RealArray, components: RealArray, left: FloatArray) -> PrincipalComponents:
         """Return global components in float32, with signs that do not depend on the machine."""
+        # The largest coefficient of each is made positive
         flat = components.reshape(len(components), -1)
         largest = np.take_along_axis(flat, np.abs(flat).argmax(axis=1)[:, None], axis=1)[:, 0]
         signs = np.where(largest < 0, -1, 1)
@@ -61,7 +61,7 @@ class PrincipalComponents(Described):
 
     @property
     def K(self) -> int:
-        """The number of components of a vertex."""
+        """Number of components of a vertex."""
         return int(self.weights.shape[1])
 
     @property
@@ -83,10 +83,15 @@ class PrincipalComponents(Described):
         )
 
     def halved(self, *, components: bool = False) -> PrincipalComponents:
-        """Return the weights, and the components if wanted, as half floats, and what rounding costs.
+        """Return the weights, and the components if asked for, as half floats, and what rounding costs.
 
         Powers of two go from components to weights so that weights keep their digits; where both are
         rounded, so that the largest of both are alike.
+
+        Parameters
+        ----------
+        components : bool
+            Whether components are rounded as well.
 
         Raises
         ------
@@ -94,7 +99,9 @@ class PrincipalComponents(Described):
             If they are half floats already, or half floats cannot hold both.
         """
         if self.weights.dtype == np.float16:
-            raise ValueError("these are half floats already")
+            raise ValueError("weights must be float32 before they are halved, got float16")
+
+        # The powers of two, of each cluster and component
         forms = self.components.reshape(-1, self.K, *self.components.shape[-3:])  # (Q, K, M^2, C, n^2)
         index = np.zeros(len(self.weights), np.int32) if self.clusters is None else self.clusters
         largest = np.zeros(forms.shape[:2])
@@ -104,17 +111,20 @@ class PrincipalComponents(Described):
             highest = np.abs(forms).max(axis=(2, 3, 4))
             shift = (np.frexp(highest)[1] - np.frexp(largest)[1]) // 2
         shift = np.where(largest > 0, shift, 0)
+
+        # Rounded, if that is possible
         weights = np.ldexp(self.weights, shift[index])
         scaled = np.ldexp(forms, -shift[:, :, None, None, None])
         with np.errstate(over="ignore"):
-            few, coarse = weights.astype(np.float16), scaled.astype(np.float16 if components else np.float32)
-        if not (np.isfinite(few).all() and np.isfinite(coarse).all()):
-            raise ValueError("weights and components are too large for half floats")
+            half_weights = weights.astype(np.float16)
+            rounded = scaled.astype(np.float16 if components else np.float32)
+        if not (np.isfinite(half_weights).all() and np.isfinite(rounded).all()):
+            raise ValueError("weights and components must be within the range of half floats, got others")
         return replace(
             self,
-            weights=few,
-            components=coarse.reshape(self.components.shape),
-            rounding=_rounding(weights, few, scaled, coarse, index),
+            weights=half_weights,
+            components=rounded.reshape(self.components.shape),
+            rounding=_rounding(weights, half_weights, scaled, rounded, index),
         )
 
     def report(self) -> dict[str, Any]:
@@ -147,23 +157,28 @@ def components_for(accuracy: float | None, left: FloatArray, most: int) -> int:
 
 
 def _rounding(
-    weights: RealArray, few: RealArray, forms: RealArray, coarse: RealArray, index: Int32Array
+    weights: RealArray, half_weights: RealArray, forms: RealArray, rounded: RealArray, index: Int32Array
 ) -> FloatArray:
-    """The energies (K + 1,) of w A - w~ A~ = (w - w~) A + w~ (A - A~), summed over 0 to K components."""
+    """Return energies (K + 1,) of w A - w~ A~ = (w - w~) A + w~ (A - A~), summed over 0 to K components."""
     Q, K, tents = forms.shape[:3]
-    one = gram_of_one_dimension(round(np.sqrt(tents)))
-    M, total = len(one), np.zeros((K, K))
+    G1 = gram_of_one_dimension(round(np.sqrt(tents)))
+    M, total = len(G1), np.zeros((K, K))
     for q in range(Q):
         members = np.flatnonzero(index == q)
         of_factors = np.zeros((2 * K, 2 * K))
-        for some in np.split(members, np.arange(_VERTICES, len(members), _VERTICES)):
-            w, w2 = (array[some].astype(np.float64) for array in (weights, few))
+        # Products of the factors w - w~ and w~, summed over the vertices
+        for block in np.split(members, np.arange(_VERTICES, len(members), _VERTICES)):
+            w, w2 = (array[block].astype(np.float64) for array in (weights, half_weights))
             factors = np.concatenate([w - w2, w2], axis=1)
             of_factors += factors.T @ factors
-        A, A2 = (array[q].astype(np.float64) for array in (forms, coarse))
+
+        # Times the inner products of A and A - A~ in radiance, 2 pi G1 (x) G1
+        A, A2 = (array[q].astype(np.float64) for array in (forms, rounded))
         parts = np.concatenate([A, A - A2]).reshape(2 * K, M, M, -1)
-        weighed = 2 * np.pi * np.einsum("ij,kl,ajlx->aikx", one, one, parts, optimize=True)
+        weighed = 2 * np.pi * np.einsum("ij,kl,ajlx->aikx", G1, G1, parts, optimize=True)
         products = of_factors * (parts.reshape(2 * K, -1) @ weighed.reshape(2 * K, -1).T)
         total += products.reshape(2, K, 2, K).sum(axis=(0, 2))
+
+    # Sums over the first components alone
     leading = np.diagonal(total.cumsum(axis=0).cumsum(axis=1))
     return np.asarray(np.maximum(np.append(0.0, leading), 0))

@@ -5,11 +5,11 @@ The matrices A_p of all vertices are approximated by weighted sums of K, without
     A_p ~ sum_k w_pk A_k                                                        [LK03 eq. 12]
 
 [LK03 section 6] takes the components of the coefficients themselves. Here what is kept is best in outgoing
-radiance: with G the Gram matrix of the tents and light
-whose coefficients are random, independent and of variance 1, the expected squared error of radiance over the
-hemisphere, summed over channels, is |L^T (A_p - A~_p)|^2, where G = L L^T. Rows are therefore multiplied by
-L^T ("whitened") before anything is decomposed; components are orthonormal in G, and the energy left by K of
-them is the sum of the eigenvalues beyond. SNRs are relative to uncompressed radiance, in dB.
+radiance: with G the Gram matrix of the tents and light whose coefficients are random, independent and of
+variance 1, the expected squared error of radiance over the hemisphere, summed over channels, is
+|L^T (A_p - A~_p)|^2, where G = L L^T. Rows are therefore multiplied by L^T ("whitened") before anything is
+decomposed; components are orthonormal in G, and the energy left by K of them is the sum of the eigenvalues
+beyond. SNRs are relative to uncompressed radiance, in dB.
 
 `factored`  exact, for A_p = P X_p with one P for all vertices, as one material gives; never forms A
 `streamed`  randomised, by subspace iteration [HMT11 algorithm 4.4], for matrices on disk, read in blocks
@@ -31,13 +31,13 @@ Blocks = RealArray | Callable[[], Iterable[RealArray]]
 """Matrices (V, M^2, C, n^2), mapped from disk maybe; or what gives them anew, in order, in blocks."""
 
 Read = Callable[[], Iterator[Float32Array]]
-"""The same, blocks in float32."""
+"""What gives the matrices anew, in blocks of float32."""
 
 MOST = 512
-"""The largest K of `streamed`, unless it is told."""
+"""The largest K of `streamed`, unless it is told another."""
 
 PASSES = 3
-"""Of `streamed` over the matrices. With the extra columns below these lose less than .1 dB against the exact
+"""Passes of `streamed` over the matrices. With the extra columns these lose less than .1 dB against the exact
 components where singular values fall as slowly as those of shadowed matrices do."""
 
 GRAM_COLUMNS = 4096
@@ -50,6 +50,7 @@ _MORE = 8
 """Components beyond those that the iteration thinks are enough, which the last pass then decides."""
 
 _BLOCK_BYTES = 1 << 25
+"""Bytes of matrices that are multiplied at once: little beside the matrices of products."""
 
 
 def factored(
@@ -87,6 +88,8 @@ def factored(
     require_shape("P", P, ("M^2", "C", "r"), empty=False)
     require_shape("X", X, ("V", P.shape[2], "n^2"), empty=False)
     require_finite("P", P)
+
+    # With L^T P = Q U those of U X_p
     sides, (V, r, n2) = _Sides(P.shape[0]), X.shape
     whitened = sides.times(sides.L.T, np.asarray(P, np.float64)[None]).reshape(-1, r)
     Q, U = np.linalg.qr(whitened)
@@ -98,6 +101,7 @@ def factored(
         for start in range(0, V, step):
             yield (U @ np.asarray(X[start : start + step], np.float64)).reshape(-1, size)
 
+    # Their Gram matrix over the vertices, and its eigenvectors
     S = np.zeros((size, size))
     for block in rows():
         S += block.T @ block
@@ -106,6 +110,8 @@ def factored(
     values, vectors = _descending(S)
     left = np.append(np.cumsum(values[::-1])[::-1], 0.0)
     count = components_for(accuracy, left, most)
+
+    # Coordinates of the vertices, and components back in tents
     kept = vectors[:, :count]
     weights = np.concatenate([np.asarray(block @ kept, np.float32) for block in rows()])
     whitened = Q @ kept.T.reshape(count, len(U), n2)  # (K, M^2 C, n^2)
@@ -141,9 +147,9 @@ def streamed(
     most : int
         The largest K where it is not given.
     passes : int
-        Of the iteration, at least 1.
+        Passes of the iteration over the matrices, at least 1.
     seed : int
-        Of the random space at the start.
+        Seed of the random space at the start.
 
     Returns
     -------
@@ -160,6 +166,8 @@ def streamed(
     sides, size = _Sides(tents), tents * C * n2
     most = _asked(K, accuracy, size, min(whole_number("most", most, 1), size))
     gram = (_Gram if size <= GRAM_COLUMNS else _BlocksGram)(read, sides, shape[1:])
+
+    # The space of the largest components, with more of them until they reach the accuracy
     rng, X = np.random.default_rng(seed), np.empty((size, 0))
     count = most if accuracy is None else min(_FIRST, most)
     while True:
@@ -176,6 +184,8 @@ def streamed(
             count = min(int(enough.argmax()) + 1 + _MORE, most)
             break
         count = min(4 * count, most)
+
+    # Coordinates of the vertices in it, and what is left outside
     X = X @ vectors[:, :count]
     Y, outside = _projected(read, X, sides, shape[1:])
     # Components are orthonormal: each keeps the energy of its own coordinates
@@ -187,7 +197,7 @@ def streamed(
 
 
 class _Sides:
-    """L with L (x) L the Cholesky factor of the tents' Gram matrix [LK03 eq. 7], and products with them."""
+    """L, where L (x) L is the Cholesky factor of the tents' Gram matrix [LK03 eq. 7], and its products."""
 
     def __init__(self, tents: int) -> None:
         self.M = round(np.sqrt(tents))
@@ -196,9 +206,9 @@ class _Sides:
         self.L = np.linalg.cholesky(np.sqrt(2 * np.pi) * gram_of_one_dimension(self.M))
         self.inverse = np.linalg.inv(self.L)
 
-    def times(self, one: FloatArray, rows: RealArray) -> RealArray:
-        """Return (one (x) one) times each of rows (k, M^2, C, n^2)."""
-        M, factor = self.M, one.astype(rows.dtype)
+    def times(self, side: FloatArray, rows: RealArray) -> RealArray:
+        """Return (side (x) side) times each of rows (k, M^2, C, n^2)."""
+        M, factor = self.M, side.astype(rows.dtype)
         along_v = factor @ rows.reshape(len(rows), M, -1)
         along_u = factor @ along_v.reshape(len(rows) * M, M, -1)
         return np.asarray(along_u.reshape(rows.shape))
@@ -228,22 +238,24 @@ class _Gram:
             raise ValueError("matrices must be finite")
 
     def times(self, X: FloatArray) -> FloatArray:
+        """Return A^T A X."""
         return self.matrix @ X
 
 
 class _BlocksGram:
-    """The same, never formed: columns take the factors, not A, and every product reads the blocks."""
+    """A^T A that is never formed: columns take the factors, not A, and every product reads the blocks."""
 
     def __init__(self, read: Read, sides: _Sides, shape: tuple[int, ...]) -> None:
         self.read, self.sides, self.shape = read, sides, shape
 
     @cached_property
     def energy(self) -> float:
-        """The trace."""
+        """The trace of A^T A."""
         whitened = (self.sides.times(self.sides.L.T, block) for block in self.read())
         return sum(float(np.vdot(rows, rows)) for rows in whitened)
 
     def times(self, X: FloatArray) -> FloatArray:
+        """Return A^T A X."""
         sides = self.sides
         inward = sides.times(sides.L, X.T.reshape(-1, *self.shape)).reshape(X.shape[::-1])
         inward = inward.T.astype(np.float32)
@@ -277,7 +289,7 @@ def _projected(
 
 
 def _blocks(matrices: Blocks) -> Read:
-    """What gives the blocks, in float32, checked against the first."""
+    """Return what gives the blocks, in float32, each checked against the first."""
     if not callable(matrices):
         _matrices_shape(matrices)
     rows = 1 if callable(matrices) else max(1, _BLOCK_BYTES // (4 * matrices[:1].size))
@@ -299,6 +311,7 @@ def _blocks(matrices: Blocks) -> Read:
 
 
 def _matrices_shape(matrices: RealArray) -> tuple[int, int, int, int]:
+    """Return V, M^2, C and n^2; refuse what are no matrices."""
     shape = np.shape(matrices)
     if len(shape) != 4 or 0 in shape or np.asarray(matrices[:0]).dtype.kind != "f":
         raise ValueError(f"matrices must be floats of the shape (V, M^2, C, n^2), got the shape {shape}")
@@ -306,7 +319,7 @@ def _matrices_shape(matrices: RealArray) -> tuple[int, int, int, int]:
 
 
 def _asked(K: int | None, accuracy: float | None, size: int, otherwise: int | None = None) -> int:
-    """The largest K that may be returned."""
+    """Return the largest K that may be found."""
     if K is not None and accuracy is not None:
         raise ValueError(f"K must be None where accuracy is given, got {K!r}")
     if accuracy is not None:
@@ -315,6 +328,6 @@ def _asked(K: int | None, accuracy: float | None, size: int, otherwise: int | No
 
 
 def _descending(S: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Eigenvalues, none below zero, and eigenvectors of a Gram matrix, the largest first."""
+    """Return eigenvalues, none below zero, and eigenvectors of a Gram matrix, the largest first."""
     values, vectors = np.linalg.eigh(S)
     return np.maximum(values[::-1], 0), vectors[:, ::-1]

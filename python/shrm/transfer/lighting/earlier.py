@@ -1,7 +1,7 @@
 """The methods before matrix radiance transfer, which multiply light by a vertex's whole transfer matrix.
 
 T_p, n^2 x n^2, takes light to transferred light, both in global coordinates: shadows and interreflections
-[LK03 section 3.1]. Where nothing shadows it is 1, and need not be given.
+[LK03 section 3.1]. Where nothing shadows it is the identity, and need not be given.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from shrm.validation import StoredArray, float32_array, one_of, stored_array, wh
 Axis = Literal["reflection", "normal"]
 
 MOST_SAMPLES = 512
-"""The largest side of a parabolic map."""
+"""Samples along the side of the largest parabolic map."""
 
 ROTATION_ROOM = 16
-"""Floats that the core reads beyond the last rotation."""
+"""Floats of a vector of the widest instruction set, which the core reads beyond the last rotation."""
 
 
 class Diffuse(Lighting):
-    """A row for each vertex, its product with light: diffuse materials [SKS02]. The eye does not matter.
+    """Products of a row for each vertex with light: diffuse materials [SKS02]. The eye does not matter.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Diffuse(Lighting):
         view: npt.ArrayLike | None = None,
         out: Float32Array | None = None,
     ) -> Float32Array:
-        """Return the radiance of every vertex, as `Lighting.radiance`; `eye` and `view` may be left out."""
+        """Return the radiance of every vertex, see `Lighting.radiance`; `eye` and `view` may be left out."""
         if eye is None and view is None:
             view = (0.0, 0.0, 1.0)
         return super().radiance(light, eye=eye, view=view, out=out)
@@ -79,7 +79,7 @@ class Diffuse(Lighting):
 
 
 class Projection(Lighting):
-    """The material's row at the view times transferred light in the frame [KSS02]: b(view) R_p T_p light.
+    """Products of the material's row at the view with transferred light [KSS02]: b(view) R_p T_p light.
 
     The product is taken from the left, so that a vertex costs a row for each channel of the material, not a
     column for each of the light.
@@ -116,9 +116,12 @@ class Projection(Lighting):
         prerotated: bool = False,
     ) -> None:
         if prerotated and transfer is None:
-            raise ValueError("transfer must be given if it is to be prerotated")
+            raise ValueError("transfer must be given where it is prerotated, got None")
+
         self.surface = Surface(vertices, frames)
         self.size = self.surface.size
+
+        # The material: a parabolic map, or tents, whose square is its side
         parabolic = np.ndim(rows) == 4
         shape = ("S", len(np.asarray(rows)), "C", "n^2") if parabolic else ("M^2", "C", "n^2")
         samples = float32_array("rows", rows, shape, empty=False)
@@ -131,6 +134,8 @@ class Projection(Lighting):
         require_channels("rows", channels)
         self.n = order_of("rows", terms)
         self.parabolic = parabolic
+
+        # Rotations, in the transfer or beside it
         self.transfer = _checked_transfer(transfer, self.size, self.n)
         self._rotations: Float32Array | None = None
         if prerotated:
@@ -271,23 +276,28 @@ def parabolic_map(brdf: BRDF, n: int, side: int = 64) -> Float32Array:
     """
     side = whole_number("side", side, 2, MOST_SAMPLES)
     n = whole_number("n", n, 1, MOST_ORDER)
+
+    # Views at the samples: those beyond the horizon are brought to it
     along = np.linspace(-1, 1, side)
     a, b = np.meshgrid(along, along)  # columns are x
     scale = np.maximum(np.hypot(a, b), 1.0)
     a, b = a / scale, b / scale
     squared = a * a + b * b
     views = np.stack([2 * a, 2 * b, np.maximum(1 - squared, 0.0)], axis=-1) / (1 + squared)[..., None]
-    found = rows(brdf, views.reshape(-1, 3), n)
-    channels = found if found.ndim == 3 else found[None]
+
+    # Rows there, channels after the samples
+    at_views = rows(brdf, views.reshape(-1, 3), n)
+    channels = at_views if at_views.ndim == 3 else at_views[None]
     return np.ascontiguousarray(np.moveaxis(channels, 0, 1).reshape(side, side, -1, n * n), dtype=np.float32)
 
 
 def _checked_transfer(transfer: npt.ArrayLike | None, V: int, n: int) -> StoredArray | None:
+    """Return T_p, (V, n^2, n^2), if it is given."""
     return None if transfer is None else stored_array("transfer", transfer, (V, n * n, n * n))
 
 
 def _rotated(transfer: StoredArray, frames: Float32Array, n: int) -> StoredArray:
-    """R_p T_p, in the type of T_p."""
+    """Return R_p T_p, in the type of T_p."""
     result = np.empty_like(transfer, subok=False)
     for start in range(0, len(transfer), BLOCK):
         at = slice(start, start + BLOCK)
@@ -298,6 +308,6 @@ def _rotated(transfer: StoredArray, frames: Float32Array, n: int) -> StoredArray
 
 
 def _orthonormal(frames: Float32Array) -> FloatArray:
-    """Frames of float32 in float64, orthogonal to its last digits."""
+    """Return frames of float32 in float64, orthogonal to its last digits."""
     U, _, Vt = np.linalg.svd(frames.astype(np.float64))
     return np.asarray(U @ Vt)

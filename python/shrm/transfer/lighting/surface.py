@@ -18,18 +18,18 @@ MOST_ORDER = 10
 """The largest order n of light, degrees 0 to n - 1."""
 
 MOST_TENTS = 33
-"""The largest M."""
+"""The largest number of tents along a side, M."""
 
 FRAME_TOLERANCE = 1e-5
-"""How far frames may be from orthogonal: a hundred roundings of float32, in which files hold them."""
+"""How far frames may be from orthogonal: a hundred roundings of float32."""
 
 BLOCK = 1024
-"""Vertices that are taken together where arrays would be large."""
+"""Vertices that are taken together where numpy would make large arrays of all."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Eye(Described):
-    """Where an object is seen from.
+    """Place from which an object is seen.
 
     Attributes
     ----------
@@ -100,6 +100,7 @@ class Lighting(Described, ABC):
         return self._radiance(light, Eye.checked(eye, view), out)
 
     def _radiance(self, light: npt.ArrayLike, eye: Eye, out: Float32Array | None) -> Float32Array:
+        """Check the light and the result's place, and light the vertices."""
         coefficients = float32_array("light", light, (self.n**2, 3))
         if out is None:
             out = np.empty((self.size, 3), dtype=np.float32)
@@ -136,7 +137,7 @@ class Surface(Described):
         self.core = _core.TransferSurface(vertices=self.vertices, frames=self.frames)
 
     def __reduce__(self) -> tuple[type[Surface], tuple[object, ...]]:
-        """Return what makes it again: what the core has is no part of a pickle."""
+        """Return how a pickle makes it again: what the core holds is no part of it."""
         return type(self), (self.vertices, self.frames)
 
     @property
@@ -171,6 +172,7 @@ def require_channels(name: str, channels: int) -> None:
 
 
 def _root(name: str, square: int, what: str, least: int, most: int) -> int:
+    """Return the root of a square number; refuse what has none in [least, most]."""
     root = round(float(np.sqrt(square)))
     if root**2 != square or not least <= root <= most:
         raise ValueError(f"{name} must have {what} in [{least}, {most}], got {square}")

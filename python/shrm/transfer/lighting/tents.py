@@ -20,7 +20,7 @@ from shrm.validation import StoredArray, float32_array, indices, require_instanc
 
 
 class Tents(Lighting):
-    """Four rows of each vertex's matrix, at the tents that are not zero at the view [LK03 eq. 9].
+    """Lighting by four rows of each vertex's matrix, of the tents that are not zero at the view [LK03 eq. 9].
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class Tents(Lighting):
 
 
 class Compressed(Lighting):
-    """Matrices as weighted sums of principal components, lit without making them [LK03 eqs. 12, 13].
+    """Lighting by principal components, without making the matrices that they sum to [LK03 eqs. 12, 13].
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class Compressed(Lighting):
 
     @property
     def K(self) -> int:
-        """How many components are used. It can be set at any time: the first K are copied."""
+        """Number of components that are used. It can be set at any time: the first K are copied."""
         return self._K
 
     @K.setter
@@ -176,24 +176,25 @@ class Compressed(Lighting):
         result = np.empty((self.size, *self.components.shape[3:]), dtype=np.float32)
         for q, members in self._members():
             for at in _blocks(len(members)):
-                some = members[at]
-                chosen = self.components[q, : self.K, tents[some]]  # (v, t, k, C, n^2)
-                w = np.einsum("vt,vk->vtk", values[some], self._used_weights(some))
-                result[some] = np.einsum("vtk,vtkcj->vcj", w, chosen, optimize=True)
+                block = members[at]
+                chosen = self.components[q, : self.K, tents[block]]  # (v, t, k, C, n^2)
+                w = np.einsum("vt,vk->vtk", values[block], self._used_weights(block))
+                result[block] = np.einsum("vtk,vtkcj->vcj", w, chosen, optimize=True)
         return result
 
     def _members(self) -> list[tuple[int, npt.NDArray[np.intp]]]:
-        """The vertices of each cluster."""
+        """Return the clusters that have vertices, and these."""
         if self.clusters is None:
             return [(0, np.arange(self.size))]
         return [(int(q), np.flatnonzero(self.clusters == q)) for q in np.unique(self.clusters)]
 
     def _used_weights(self, members: npt.NDArray[np.intp]) -> Float32Array:
+        """Return the first K weights of some vertices, in float32."""
         return self.weights[members, : self.K].astype(np.float32, copy=False)
 
 
 class FixedLight(Lighting):
-    """For a light that seldom changes: tents' coefficients once, four of them a view [LK03 section 3.3].
+    """Lighting for a light that seldom changes: tents' coefficients once, four a view [LK03 section 3.3].
 
     Radiance is that of the way of lighting it is made for. A light, or a K, that differs from the last one
     costs all of a vertex's tents, not four.
@@ -229,7 +230,7 @@ class FixedLight(Lighting):
 
 
 class FixedView(Lighting):
-    """For an eye that seldom moves: a row for each vertex once, its product with a light [LK03 section 3.3].
+    """Lighting for an eye that seldom moves: each vertex's row once, its product a light [LK03 section 3.3].
 
     Radiance is that of the way of lighting it is made for. An eye, or a K, that differs from the last one
     costs a reading of four rows of every vertex.
@@ -264,10 +265,11 @@ def _components_of(lighting: Tents | Compressed) -> int | None:
 
 
 def _times_light(matrices: StoredArray, light: Float32Array, result: Float32Array) -> None:
-    """Fill result (..., 3): matrices (..., C, n^2) times light (n^2, 3), the only channel for all three."""
+    """Fill result (..., 3): matrices (..., C, n^2) times light (n^2, 3); one channel serves all three."""
     for c in range(3):
         np.matmul(matrices[..., min(c, matrices.shape[-2] - 1), :], light[:, c], out=result[..., c])
 
 
 def _blocks(count: int) -> list[slice]:
+    """Return slices of at most `BLOCK`, of so many in all."""
     return [slice(start, min(start + BLOCK, count)) for start in range(0, count, BLOCK)]

@@ -23,14 +23,15 @@ TENTS = (3, 5, 7, 9, 11, 13, 15, 17, 21, 25)
 """Numbers M among which `chosen` looks for the smallest."""
 
 MARGIN = 1.0
-"""In dB, by which the accuracy at the sample has to exceed the one that is asked for."""
+"""Decibels by which the SNR at the sample has to exceed the accuracy: other vertices may have less."""
 
 _VIEWS = 256
+"""Views towards which vertices of the sample reflect light."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sample(Described):
-    """Some vertices and what hides the light there.
+    """Sample of vertices, and what hides the light there.
 
     Attributes
     ----------
@@ -48,11 +49,11 @@ class Sample(Described):
     fine_visible: BoolArray
 
 
-def relative_snr(expected: RealArray, found: RealArray) -> float:
-    """Return 10 log10(|expected|^2 / |expected - found|^2), infinite if they are the same."""
-    lost = float(np.sum((np.asarray(expected, np.float64) - found) ** 2))
-    whole = float(np.sum(np.asarray(expected, np.float64) ** 2))
-    return 10 * np.log10(whole / lost) if lost > 0 and whole > 0 else np.inf
+def relative_snr(expected: RealArray, actual: RealArray) -> float:
+    """Return 10 log10(|expected|^2 / |expected - actual|^2), infinite if they are the same."""
+    lost = float(np.sum((np.asarray(expected, np.float64) - actual) ** 2))
+    energy = float(np.sum(np.asarray(expected, np.float64) ** 2))
+    return 10 * np.log10(energy / lost) if lost > 0 and energy > 0 else np.inf
 
 
 def reference(brdf: BRDF, n: int, sample: Sample) -> Float32Array:
@@ -61,13 +62,13 @@ def reference(brdf: BRDF, n: int, sample: Sample) -> Float32Array:
     return accumulate(view_rows(brdf, views(), n, sample.fine_directions), sample.fine_visible, Y)
 
 
-def measured(made: Product, expected: Float32Array, sample: Sample) -> float:
+def measured(product: Product, expected: Float32Array, sample: Sample) -> float:
     """Return the relative SNR of a product against `reference`, in dB."""
     Y = harmonics(sample.directions, round(np.sqrt(expected.shape[2]))).astype(np.float32)
-    A = accumulate(made.rays, sample.visible, Y)
-    tents = np.moveaxis(A.reshape(len(A), made.basis.size, -1), 1, 0)
-    found = made.basis.evaluate(tents.reshape(len(tents), -1), views())
-    by_vertex = np.moveaxis(found.reshape(len(found), len(A), -1, expected.shape[2]), 1, 0)
+    A = accumulate(product.rays, sample.visible, Y)
+    tents = np.moveaxis(A.reshape(len(A), product.basis.size, -1), 1, 0)
+    radiance = product.basis.evaluate(tents.reshape(len(tents), -1), views())
+    by_vertex = np.moveaxis(radiance.reshape(len(radiance), len(A), -1, expected.shape[2]), 1, 0)
     return relative_snr(expected, by_vertex.reshape(expected.shape))
 
 
@@ -90,7 +91,7 @@ def chosen(
         Order of the light.
     sample : Sample
     accuracy : float
-        Wanted, in dB. If nothing reaches it, what comes nearest is returned.
+        SNR that is asked for, in dB. If nothing reaches it, what comes nearest is returned.
     M, route
         Given ones are kept. Without a route it is the shortest that will do: inner order n, then 8 if n is
         smaller, both with views of order 8, then none.
@@ -101,38 +102,40 @@ def chosen(
     enough = accuracy + MARGIN
 
     def worst(M: int, route: Route) -> float:
-        made = (product(brdf, M, n, sample.directions, route, points=2) for brdf in brdfs)
-        return min(measured(one, rows, sample) for one, rows in zip(made, expected, strict=True))
+        """Return the SNR of the material that has the least."""
+        products = (product(brdf, M, n, sample.directions, route, points=2) for brdf in brdfs)
+        return min(measured(*pair, sample) for pair in zip(products, expected, strict=True))
 
-    routes = (route,) if route else (Route(), *(Route(order, m=8) for order in sorted({n, max(n, 8)})))
     # Of the routes that are tried the first is the most accurate. More tents are more accurate and take
     # longer: from the middle on upwards, or downwards as long as they will do.
+    routes = (route,) if route else (Route(), *(Route(order, m=8) for order in sorted({n, max(n, 8)})))
     tried = TENTS if M is None else (M,)
     start = len(tried) // 2 - 1 if M is None else 0
-    found = {start: worst(tried[start], routes[0])}
+    snr = {start: worst(tried[start], routes[0])}
     progress(1, len(tried))
-    step = -1 if found[start] >= enough else 1
+    step = -1 if snr[start] >= enough else 1
     k = start
     while 0 <= k + step < len(tried):
         k += step
-        found[k] = worst(tried[k], routes[0])
-        progress(len(found), len(tried))
-        if (found[k] >= enough) == (step > 0):
+        snr[k] = worst(tried[k], routes[0])
+        progress(len(snr), len(tried))
+        if (snr[k] >= enough) == (step > 0):
             break
-    will_do = [k for k in found if found[k] >= enough]
-    k = min(will_do) if will_do else max(found, key=lambda one: found[one])
-    best = tried[k], routes[0], found[k]
-    for other in routes[1:]:
-        snr = worst(tried[k], other)
-        if snr >= enough:
-            best = tried[k], other, snr
-            break
+
+    # The fewest tents that will do, and the first of the cheaper routes that will do with them
+    will_do = [k for k in snr if snr[k] >= enough]
+    k = min(will_do) if will_do else max(snr, key=lambda k: snr[k])
+    for shorter in routes[1:]:
+        of_shorter = worst(tried[k], shorter)
+        if of_shorter >= enough:
+            progress(len(tried), len(tried))
+            return tried[k], shorter, of_shorter
     progress(len(tried), len(tried))
-    return best
+    return tried[k], routes[0], snr[k]
 
 
 def views() -> FloatArray:
-    """Views (256, 3) of equal solid angles above the horizon: the golden ratio's lattice on the square."""
+    """Return views (256, 3) of equal solid angles above the horizon: the golden ratio's lattice."""
     k = np.arange(_VIEWS)
     positions = np.stack([(k + 0.5) / _VIEWS, (k * (np.sqrt(5) - 1) / 2 + 0.25) % 1], axis=1)
     return _core.hemisphere_from_square(positions=positions)

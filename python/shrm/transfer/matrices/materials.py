@@ -42,11 +42,11 @@ class Materials(Described):
             If they are no materials, or the shares are not (vertices, materials) numbers in [0, 1e6].
         """
         brdfs = tuple(brdf) if isinstance(brdf, Sequence) else (brdf,)
-        if not brdfs or not all(isinstance(one, BRDF) for one in brdfs):
+        if not brdfs or not all(isinstance(material, BRDF) for material in brdfs):
             raise TypeError(f"brdf must be a material of shrm.brdf, or several, got {brdf!r}")
         if shares is None:
             if len(brdfs) > 1:
-                raise ValueError(f"shares must be given for {len(brdfs)} materials")
+                raise ValueError(f"shares must be given for {len(brdfs)} materials, got None")
             return cls(brdfs, None)
         array = real_array("shares", shares, (vertices, len(brdfs)))
         if array.min() < 0 or array.max() > MOST_SHARE:
@@ -55,12 +55,12 @@ class Materials(Described):
 
     @property
     def channels(self) -> int:
-        """3 if a material's channels differ, else 1."""
+        """Number of channels: 3 if those of a material differ, else 1."""
         return max(brdf.channels for brdf in self.brdfs)
 
     @property
     def name(self) -> str:
-        """The materials' names."""
+        """Names of the materials, in one text."""
         return " / ".join(brdf.name for brdf in self.brdfs)
 
     def albedo(self, products: Sequence[Product]) -> FloatArray:
@@ -71,14 +71,17 @@ class Materials(Described):
         products : sequence of Product
             One for each material.
         """
-        each = []
-        for made in products:
-            views, weights = made.basis.quadrature(4)
+        # Of each material: the flux that leaves, over that of light of radiance 1, pi
+        of_each = []
+        for product in products:
+            views, weights = product.basis.quadrature(4)
             # White light has the coefficient sqrt(4 pi) and no other
-            tents = np.sqrt(4 * np.pi) * made.unshadowed[:, 0].reshape(-1, made.channels)
-            mean = (weights * views[:, 2]) @ made.basis.evaluate(tents, views) / np.pi
-            each.append(np.broadcast_to(mean, (self.channels,)))
-        of_materials = np.stack(each)
+            tents = np.sqrt(4 * np.pi) * product.unshadowed[:, 0].reshape(-1, product.channels)
+            mean = (weights * views[:, 2]) @ product.basis.evaluate(tents, views) / np.pi
+            of_each.append(np.broadcast_to(mean, (self.channels,)))
+
+        # Of the vertices
+        of_materials = np.stack(of_each)
         mixed = of_materials if self.shares is None else self.shares.astype(np.float64) @ of_materials
         albedos = np.clip(mixed, 0, 1)
         if self.channels == 1:

@@ -35,16 +35,16 @@ from shrm.transfer.tangent_frames import band_rotations
 from shrm.validation import one_of, whole_number
 
 VIEW_POINTS = 3
-"""Of the quadrature over views, along a side of each triangle: 70 dB and more for lobes of .1 radians; 2 have
-40."""
+"""Points of the quadrature over views, along a side of each triangle: 70 dB and more for lobes of .1 radians,
+where 2 have 40."""
 
 _PAIRS = 1 << 20
-"""Directions times views that a material is evaluated at together."""
+"""Pairs of directions and views at which a material is evaluated together: 8 MB for each channel."""
 
 
 @dataclass(frozen=True)
 class Route:
-    """By way of which expansion light becomes outgoing radiance.
+    """Route of expansions by which light becomes outgoing radiance.
 
     Attributes
     ----------
@@ -71,11 +71,9 @@ class Route:
         if self.inner is not None:
             whole_number("inner", self.inner, 1, MOST_ORDER)
         one_of("extension", self.extension, get_args(Extension))
-        for name, without in (("m", self.inner), ("window_above", self.m)):
-            if getattr(self, name) is not None and without is None:
-                raise ValueError(
-                    f"{name} must be None here, got {getattr(self, name)!r}: nothing to apply it to"
-                )
+        for name, of in (("m", "inner"), ("window_above", "m")):
+            if getattr(self, name) is not None and getattr(self, of) is None:
+                raise ValueError(f"{name} must be None without {of}, got {getattr(self, name)!r}")
         if self.m is not None:
             m = whole_number("m", self.m, 1, MOST_ORDER)
             if self.window_above is not None:
@@ -97,7 +95,7 @@ def published(n: int) -> Route:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Product(Described):
-    """What a material makes of light along local directions, in tents; made by `product`.
+    """Product of a material with light along local directions, in tents; made by `product`.
 
     Attributes
     ----------
@@ -107,7 +105,7 @@ class Product(Described):
         C, 1 or 3.
     route : Route
     rays : (M^2 C, D) float32
-        Q, from radiance along each direction.
+        Q, from radiance along the rays.
     unshadowed : (M^2 C, n^2) float64
         B, from local light of order n that nothing hides.
     outer : (M^2 C, s^2) float32 or None
@@ -128,7 +126,7 @@ class Product(Described):
 def product(
     brdf: BRDF, M: int, n: int, directions: FloatArray, route: Route, points: int = VIEW_POINTS
 ) -> Product:
-    """Make Q for a material.
+    """Return the product of a material: Q, and what it consists of.
 
     Parameters
     ----------
@@ -137,18 +135,26 @@ def product(
     M, n : int
         Tents along a side; order of the light.
     directions : (D, 3) float64
-        Of equal solid angles over the hemisphere about +z.
+        Unit vectors of equal solid angles over the hemisphere about +z.
     route : Route
     points : int
-        Of the quadrature over views, along a side of each triangle.
+        Points of the quadrature over views, along a side of each triangle.
+
+    Returns
+    -------
+    Product
     """
     basis, Y = DirectionalBasis(M), harmonics(directions, n)
     weight = 2 * np.pi / len(directions)
+
+    # Straight from the directions
     if route.inner is None:
         views, view_weights = basis.quadrature(points)
         B = _tents_by_channels(project_on_tents(brdf, basis, n, points))
         Q = weight * _projected(brdf, basis, views, view_weights, directions)
         return Product(basis, brdf.channels, route, _float32(_corrected(Q, B, Y)), B)
+
+    # By way of harmonics of order s
     s = route.inner
     widest = _outer(brdf, basis, max(s, n), route, points)
     P, B = widest[:, : s * s], widest[:, : n * n]
@@ -217,17 +223,17 @@ def rotated(local: RealArray, frames: FloatArray) -> Float32Array:
 
 
 def _outer(brdf: BRDF, basis: DirectionalBasis, s: int, route: Route, points: int) -> FloatArray:
-    """P (M^2 C, s^2): tents of outgoing radiance from local light of order s."""
+    """Return P (M^2 C, s^2): tents of outgoing radiance from local light of order s."""
     if route.m is None:
         return _tents_by_channels(project_on_tents(brdf, basis, s, points))
     B = project(brdf, route.m, s, extension=route.extension, window_above=route.window_above).coefficients
     channels = B[None] if B.ndim == 2 else B
-    tents = [basis.project_coefficients(one) for one in channels]  # [LK03] eq. 8
+    tents = [basis.project_coefficients(channel) for channel in channels]  # [LK03] eq. 8
     return _tents_by_channels(np.stack(tents))
 
 
 def _tents_by_channels(tents: FloatArray) -> FloatArray:
-    """(M^2, columns) or (C, M^2, columns) as (M^2 C, columns)."""
+    """Return tents (M^2, columns) or (C, M^2, columns) as (M^2 C, columns)."""
     channels = tents[None] if tents.ndim == 2 else tents
     return np.moveaxis(channels, 0, 1).reshape(-1, channels.shape[2])
 
@@ -235,7 +241,7 @@ def _tents_by_channels(tents: FloatArray) -> FloatArray:
 def _projected(
     brdf: BRDF, basis: DirectionalBasis, views: FloatArray, weights: FloatArray, directions: FloatArray
 ) -> FloatArray:
-    """G^-1 int g(v) rho_hat(d_k, v) dv, (M^2 C, D)."""
+    """Return G^-1 int g(v) rho_hat(d_k, v) dv, (M^2 C, D)."""
     sums = np.zeros((brdf.channels, basis.size, len(directions)))
     step = max(1, _PAIRS // len(directions))
     for start in range(0, len(views), step):
@@ -247,7 +253,7 @@ def _projected(
 
 
 def _sampled(brdf: BRDF, views: FloatArray, directions: FloatArray) -> FloatArray:
-    """rho_hat at every pair, (C, views, D)."""
+    """Return rho_hat at every pair, (C, views, D)."""
     wi, wo = np.tile(directions, (len(views), 1)), np.repeat(views, len(directions), axis=0)
     total = np.zeros((brdf.channels, len(wi)))
     for lobe in brdf.lobes:
@@ -257,11 +263,12 @@ def _sampled(brdf: BRDF, views: FloatArray, directions: FloatArray) -> FloatArra
     return total.reshape(-1, len(views), len(directions))
 
 
-def _corrected(Q: FloatArray, wanted: FloatArray, Y: FloatArray) -> FloatArray:
-    """The matrix nearest to Q that makes `wanted` of the harmonics Y (D, n^2)."""
+def _corrected(Q: FloatArray, exact: FloatArray, Y: FloatArray) -> FloatArray:
+    """Return the matrix nearest to Q whose product with the harmonics Y (D, n^2) is exact."""
     orthonormal, R = np.linalg.qr(Y)
-    return np.asarray(Q + ((wanted - Q @ Y) @ np.linalg.pinv(R)) @ orthonormal.T)
+    return np.asarray(Q + ((exact - Q @ Y) @ np.linalg.pinv(R)) @ orthonormal.T)
 
 
 def _float32(array: FloatArray) -> Float32Array:
+    """Return an array as float32 in C order."""
     return np.ascontiguousarray(array, np.float32)

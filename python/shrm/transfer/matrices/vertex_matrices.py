@@ -25,9 +25,10 @@ from shrm.transfer.rays.stored import stored
 from shrm.transfer.rays.visibility import Block, Visibility, digest
 
 Progress = Callable[[int, int], None]
+"""Called with the vertices that are finished and their number."""
 
 _REFLECTED = 16
-"""Vertices whose reflected light is one array."""
+"""Vertices whose reflected light is one array: D C n^2 numbers of each."""
 
 _VERTICES = 512
 """Vertices of a part where nothing hides the light."""
@@ -35,7 +36,7 @@ _VERTICES = 512
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Factors(Described):
-    """Matrices as they are kept: A_p = outer rows_p, or the rows themselves.
+    """Factors of matrices as they are kept: A_p = outer rows_p, or the rows themselves.
 
     Attributes
     ----------
@@ -69,7 +70,7 @@ class Factors(Described):
 
 
 class Matrices(Described):
-    """What light becomes at the vertices of a mesh.
+    """Matrices of the vertices of a mesh, computed into a folder.
 
     Parameters
     ----------
@@ -115,8 +116,8 @@ class Matrices(Described):
 
         def make(part: slice) -> Float32Array:
             total = np.zeros((part.stop - part.start, self.tents * self.channels, self.n**2), np.float32)
-            for made, share in self._shares(part):
-                local = self._as_channels(made.unshadowed[None].astype(np.float32))
+            for product, share in self._shares(part):
+                local = self._as_channels(product.unshadowed[None].astype(np.float32))
                 total += share * local
             return rotated(total, self.frames[part])
 
@@ -148,16 +149,17 @@ class Matrices(Described):
                     _reflect(rows[:, :, None], inner[:, None], block, visibility, leaving)
                 return rows
             total = np.zeros((len(block.visible), self.tents * self.channels, self.n**2), np.float32)
-            for made, share in self._shares(part):
-                rows = accumulate(made.rays, block.visible, Y, self.frames[part])
+            for product, share in self._shares(part):
+                rows = accumulate(product.rays, block.visible, Y, self.frames[part])
                 rows = self._as_channels(rows)
                 if leaving is not None:
                     by_channel = rows.reshape(len(rows), self.tents, self.channels, -1)
-                    rays = made.rays.reshape(self.tents, made.channels, -1)
+                    rays = product.rays.reshape(self.tents, product.channels, -1)
                     _reflect(by_channel, rays, block, visibility, leaving)
                 total += share * rows
             return total
 
+        # Parts are the blocks of visibility, in which rays were cast
         parts = [
             slice(k, min(k + visibility.block, len(self.frames)))
             for k in range(0, len(self.frames), visibility.block)
@@ -169,6 +171,8 @@ class Matrices(Described):
         rows = self._stored(name, count, parts, make, progress, *seen, *extra)
         if inner is None:
             return Factors(self.tents, self.channels, rows)
+
+        # What makes tents of the harmonics
         outer = first.outer
         assert outer is not None
         outer = self._as_channels(outer[None])[0]
@@ -176,19 +180,20 @@ class Matrices(Described):
 
     @property
     def _single(self) -> bool:
+        """Whether one material is everywhere."""
         return self.materials.shares is None
 
     def _shares(self, part: slice) -> Iterator[tuple[Product, Float32Array | float]]:
-        """The materials that vertices of a part have, and how much of each, (vertices, 1, 1)."""
+        """Yield the products of materials that vertices of a part have, and the shares, (vertices, 1, 1)."""
         if self.materials.shares is None:
             yield self.products[0], 1.0
             return
-        for made, share in zip(self.products, self.materials.shares[part].T, strict=True):
+        for product, share in zip(self.products, self.materials.shares[part].T, strict=True):
             if share.any():
-                yield made, share[:, None, None]
+                yield product, share[:, None, None]
 
     def _as_channels(self, rows: RealArray) -> Float32Array:
-        """(k, M^2 C', columns) with C' = C or 1 as (k, M^2 C, columns)."""
+        """Return rows (k, M^2 C', columns), where C' is C or 1, as (k, M^2 C, columns)."""
         if rows.shape[1] == self.tents * self.channels:
             return np.asarray(rows)
         return np.repeat(rows, self.channels, axis=1)
@@ -202,16 +207,16 @@ class Matrices(Described):
         progress: Progress,
         *depends: npt.NDArray[Any],
     ) -> Float32Array:
-        made = self.products
+        """Return rows (V, rows, n^2) kept under a name; those that depend on the same are not made again."""
         arrays: list[npt.NDArray[Any]] = [
             self.frames,
-            *(one.rays for one in made),
-            *(one.unshadowed for one in made),
+            *(product.rays for product in self.products),
+            *(product.unshadowed for product in self.products),
             *depends,
         ]
         if self.materials.shares is not None:
             arrays.append(self.materials.shares)
-        sizes = {"n": self.n, "channels": self.channels, "route": str(made[0].route)}
+        sizes = {"n": self.n, "channels": self.channels, "route": str(self.products[0].route)}
         about = {**sizes, "digest": digest(*arrays)}
         shape = (len(self.frames), rows, self.n**2)
         return stored(self.folder / name, about, shape, parts, make, progress)
@@ -230,4 +235,5 @@ def _reflect(
 
 
 def _parts(vertices: int) -> list[slice]:
+    """Return the parts of so many vertices where nothing hides the light."""
     return [slice(k, min(k + _VERTICES, vertices)) for k in range(0, vertices, _VERTICES)]

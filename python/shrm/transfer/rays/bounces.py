@@ -26,8 +26,10 @@ from shrm.transfer.tangent_frames import band_rotations
 from shrm.validation import real_array
 
 Progress = Callable[[int, int], None]
+"""Called with the bounces that are finished and their number."""
 
 MOST_BOUNCES = 1000
+"""The most bounces that can be asked for: an albedo of .99 has then left 4e-5 of the light."""
 
 _NO_HITS = "visibility must have hits, got one without: give hits=True where it is computed"
 
@@ -52,8 +54,8 @@ def irradiance(visibility: Visibility, n: int) -> FloatArray:
 
     Raises
     ------
-    TypeError, ValueError
-        If n is out of range, or the visibility not computed or damaged.
+    ValueError
+        If the visibility is not computed, or damaged.
     """
     d = visibility.directions
     weighted = sh.evaluate(np.eye(n * n), d) * _cosines(d)[:, None]  # (D, n^2)
@@ -85,8 +87,8 @@ def leaving(
     n : int
         Order of the light, degrees 0 to n - 1, 1 to 10.
     albedo : float, (3,), (V,) or (V, 3) array_like
-        Of the whole mesh, for each channel, for each vertex or both, in [0, 1]. Three numbers are channels
-        even if there are three vertices.
+        Albedo of the whole mesh, for each channel, for each vertex or both, in [0, 1]. Three numbers are
+        channels even if there are three vertices.
     bounces : int
         1 to 1000.
     progress : callable, optional
@@ -101,7 +103,7 @@ def leaving(
     Raises
     ------
     TypeError, ValueError
-        If an argument is not as described, or the visibility not computed or damaged.
+        If the albedo is not as described, or the visibility has no hits, or is not computed or damaged.
     """
     if not visibility.hits:
         raise ValueError(_NO_HITS)
@@ -133,16 +135,17 @@ def gathered(visibility: Visibility, leaving: RealArray) -> FloatArray:
     Raises
     ------
     ValueError
-        If leaving has another shape, or the visibility has no hits, or is not computed or damaged.
+        If the visibility has no hits, or is not computed or damaged.
     """
     L = np.asarray(leaving, np.float64).reshape(len(leaving), -1)
     E = np.zeros_like(L)
     cosines = _cosines(visibility.directions)
     place = np.zeros(len(L), np.intp)
-    for whole in visibility:
-        for block in whole.parts(_ROWS):
+    for block_on_disk in visibility:
+        for block in block_on_disk.parts(_ROWS):
             row, direction, vertex, weight = seen_vertices(block, visibility.faces)
-            # The weights as a matrix over the vertices that these rays end at; neighbours see much the same
+
+            # The weights as a matrix over the vertices that these rays end at; neighbors see much the same
             met = np.zeros(len(L), np.bool_)
             met[vertex] = True
             distinct = np.flatnonzero(met)
@@ -213,23 +216,23 @@ def incident(block: Block, faces: Int32Array, leaving: Float32Array) -> Float32A
         If the block has no hits.
     """
     shape = (*block.visible.shape, *leaving.shape[1:])
-    found = np.zeros(shape, np.float32)
+    incoming = np.zeros(shape, np.float32)
     row, direction, vertex, weight = seen_vertices(block, faces)
     L = leaving.reshape(len(leaving), -1)
     radiance = weight[:, :1] * L[vertex[:, 0]]
     for k in (1, 2):
         radiance += weight[:, k : k + 1] * L[vertex[:, k]]
-    found[row, direction] = radiance.reshape(-1, *shape[2:])
-    return found
+    incoming[row, direction] = radiance.reshape(-1, *shape[2:])
+    return incoming
 
 
 def _cosines(directions: FloatArray) -> FloatArray:
-    """The weights 2 pi / D cos theta of the directions (D,), which sum to pi."""
+    """Return the weights 2 pi / D cos theta of the directions (D,), which sum to pi."""
     return np.asarray(2 * np.pi / len(directions) * directions[:, 2])
 
 
 def albedos(albedo: npt.ArrayLike, count: int) -> FloatArray:
-    """Return albedos (V or 1, C), see `leaving`; TypeError or ValueError if they are not as described."""
+    """Return albedos (V or 1, C), see `leaving`; refuse what they cannot be."""
     array = real_array("albedo", albedo, (), (3,), (count,), (count, 3))
     if array.shape == (3,):
         array = array[None]

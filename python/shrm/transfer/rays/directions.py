@@ -11,7 +11,7 @@ from shrm.arrays import FloatArray
 from shrm.validation import whole_number
 
 FEWEST_DIRECTIONS, MOST_DIRECTIONS = 16, 65536
-"""The smallest and the largest count."""
+"""The smallest and the largest count over a sphere: 8 and 32768 rays of a vertex."""
 
 
 def local_directions(count: int = 4096) -> FloatArray:
@@ -36,6 +36,7 @@ def local_directions(count: int = 4096) -> FloatArray:
         If count is no whole number in its range.
     """
     D = 8 * -(-whole_number("count", count, FEWEST_DIRECTIONS, MOST_DIRECTIONS) // 16)
+
     # The golden spiral: a ring of equal area for each direction, turned by the golden ratio from the last.
     # Its 2048 directions measure the hemisphere's part in front of planes through the center to 6.4e-3 sr
     # (root mean square of 4000 random planes; at worst .022) and blobs of radius .1 to 3.0e-3 sr. Others:

@@ -30,7 +30,10 @@ from shrm.threads import thread_count
 from shrm.transfer.described import Described
 
 _ABOVE = 2.0**-18
+"""Step along the normal from a vertex to the start of its rays, in halves of the mesh's longest side."""
+
 _INWARD = 2.0**-20
+"""Step towards the middle of the vertex's own faces, in the same unit."""
 
 _RAYS = 1 << 17
 """Rays that one thread traces at a time: what they take, some 10 MB, stays in the caches."""
@@ -38,7 +41,7 @@ _RAYS = 1 << 17
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Hits(Described):
-    """Where blocked rays end, in the order of the False in `visible`, row by row.
+    """Ends of blocked rays, in the order of the False in `visible`, row by row.
 
     Attributes
     ----------
@@ -57,7 +60,7 @@ class Hits(Described):
 
 
 class Occluders(Described):
-    """The faces of a mesh, as what blocks the rays of its vertices.
+    """Faces of a mesh, as what blocks the rays of its vertices.
 
     Faces without area block nothing. Vertices may coincide, or belong to no face: those are points that only
     look. Edges may have any number of faces.
@@ -92,7 +95,7 @@ class Occluders(Described):
         self._scene = _scene(place.astype(np.float32), self.faces)
 
     def __reduce__(self) -> tuple[type[Occluders], tuple[object, ...]]:
-        """Return what makes it again: Embree's scene is no part of a pickle."""
+        """Return how a pickle makes it again: with another of Embree's scenes."""
         return type(self), (self.vertices, self.faces, self.normals)
 
     def cast(
@@ -126,41 +129,45 @@ class Occluders(Described):
         hits : Hits or None
         """
         R, d = np.asarray(frames, np.float32), np.asarray(directions, np.float32)
+
+        # Parts for the threads
         starts = (self._beside[vertices] + _ABOVE * frames[:, :, 2]).astype(np.float32)
         step = max(1, _RAYS // len(d))
         parts = [slice(k, k + step) for k in range(0, len(starts), step)]
         with ThreadPoolExecutor(thread_count()) as pool:
             traced = list(pool.map(lambda part: self._trace(starts[part], R[part], d, hits), parts))
         visible = np.concatenate([part[0] for part in traced]) if traced else np.empty((0, len(d)), np.bool_)
-        found = [part[1] for part in traced if part[1] is not None]
+        ends = [part[1] for part in traced if part[1] is not None]
         if not hits:
             return visible, None
         none = (np.empty(0, np.int32), np.empty(0, np.float32), np.empty(0, np.float32))
-        face, u, v = (np.concatenate(column) for column in zip(none, *found, strict=True))
+        face, u, v = (np.concatenate(column) for column in zip(none, *ends, strict=True))
         return visible, Hits(face, u, v)
 
     def _trace(
         self, starts: Float32Array, R: Float32Array, d: Float32Array, hits: bool
     ) -> tuple[BoolArray, tuple[Int32Array, Float32Array, Float32Array] | None]:
-        """Visibility (b, D), and face, u, v of the blocked rays. Embree's call lets other threads run."""
+        """Return visibility (b, D), and face, u, v of the blocked rays; Embree lets other threads run."""
         # R d of all pairs as products of matrices with contiguous rows: the rays' time is Embree's.
         towards = np.matmul(d, np.ascontiguousarray(R.transpose(0, 2, 1))).reshape(-1, 3)
         origins = np.repeat(starts, len(d), axis=0)
         if not hits:
             visible = self._scene.run(origins, towards, query="OCCLUDED") == -1
             return visible.reshape(len(R), len(d)), None
-        found = self._scene.run(origins, towards, output=True)
-        visible = found["primID"] == -1
+
+        # Embree's number of the face, -1 for none; faces that are met from behind have none either
+        ends = self._scene.run(origins, towards, output=True)
+        visible = ends["primID"] == -1
         blocked = np.flatnonzero(~visible)
-        face = found["primID"][blocked]
+        face = ends["primID"][blocked]
         behind = np.einsum("hc,hc->h", self._front[face], towards[blocked]) > 0
         face[behind] = -1
-        u, v = (np.clip(found[name][blocked], 0.0, 1.0) for name in ("u", "v"))
+        u, v = (np.clip(ends[name][blocked], 0.0, 1.0) for name in ("u", "v"))
         return visible.reshape(len(R), len(d)), (face, u, v)
 
 
 def _placed(P: FloatArray, faces: Int32Array) -> FloatArray:
-    """Vertices (V, 3) moved and scaled so that the faces reach from -1 to 1 along their longest side."""
+    """Return vertices (V, 3) moved and scaled so that faces reach from -1 to 1 along the longest side."""
     low, high = P[faces].min(axis=(0, 1)), P[faces].max(axis=(0, 1))
     reach = float((high / 2 - low / 2).max())  # halves: the whole may overflow
     with np.errstate(over="ignore"):  # a vertex of no face may be too far away for a number
@@ -169,7 +176,7 @@ def _placed(P: FloatArray, faces: Int32Array) -> FloatArray:
 
 
 def _inward(place: FloatArray, faces: Int32Array, corners: FloatArray) -> FloatArray:
-    """At each vertex the mean (V, 3) of unit vectors to the centroids of its faces; zero without faces."""
+    """Return at each vertex the mean (V, 3) of unit vectors to its faces' centroids; zero without faces."""
     sums, count = np.zeros((3, len(place))), np.bincount(faces.ravel(), minlength=len(place))
     centroids = corners.mean(axis=1)
     for k in range(3):
@@ -182,7 +189,7 @@ def _inward(place: FloatArray, faces: Int32Array, corners: FloatArray) -> FloatA
 
 
 def _scene(place: Float32Array, faces: Int32Array) -> Any:
-    """Embree's scene of the faces, ready to be asked by several threads."""
+    """Return Embree's scene of the faces, ready to be asked by several threads."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 

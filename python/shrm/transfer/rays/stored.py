@@ -21,8 +21,10 @@ from shrm.arrays import Float32Array
 from shrm.files import write_bytes
 
 VERSION = 1
+"""The version of these files; those of another are computed again."""
 
 _BLOCK_BYTES = 1 << 24
+"""Bytes of an array whose checksum is taken at once."""
 
 
 def stored(
@@ -43,11 +45,11 @@ def stored(
     about : dict
         What the array depends on, as JSON has it.
     shape : tuple of int
-        Of the whole array.
+        Shape of the whole array.
     parts : iterable of slice
-        Of the first axis, in order and without gaps.
+        Slices of the first axis, in order and without gaps.
     make : callable
-        A part's rows.
+        Called with a part; returns its rows.
     progress : callable
         Called with the rows done and their number; what it raises ends the computation and loses nothing.
 
@@ -58,6 +60,8 @@ def stored(
     """
     data, state = path.with_name(path.name + ".npy"), path.with_name(path.name + ".json")
     about = {**about, "version": VERSION, "shape": list(shape)}
+
+    # A new file, with room for all of it
     finished, crc = _finished(data, state, about)
     if finished == 0:
         state.unlink(missing_ok=True)
@@ -65,6 +69,8 @@ def stored(
         np.lib.format.open_memmap(data, mode="w+", dtype=np.float32, shape=shape)
         with data.open("r+b") as file:  # a mapped file that outgrows the disk would end the process
             os.posix_fallocate(file.fileno(), 0, file.seek(0, os.SEEK_END))
+
+    # The rows that are missing
     progress(finished, shape[0])
     if finished < shape[0]:
         for part in parts:
@@ -95,15 +101,15 @@ def read(array: Float32Array, part: slice) -> Float32Array:
 
 
 def _finished(data: Path, state: Path, about: dict[str, Any]) -> tuple[int, int]:
-    """How many rows are there of this very array, and their CRC-32; 0 if there is none, or it is damaged."""
+    """Return how many rows there are of this very array, and their CRC-32; 0 of a damaged one, or none."""
     try:
-        found = json.loads(state.read_bytes())
-        if not isinstance(found, dict) or found.get("about") != about:
+        saved = json.loads(state.read_bytes())
+        if not isinstance(saved, dict) or saved.get("about") != about:
             return 0, 0
         array = np.lib.format.open_memmap(data, mode="r")
     except Exception:  # numpy raises whatever a broken file makes it raise
         return 0, 0
-    finished, crc = found.get("finished"), 0
+    finished, crc = saved.get("finished"), 0
     if array.dtype != np.float32 or not array.flags.c_contiguous or list(array.shape) != about["shape"]:
         return 0, 0
     if not isinstance(finished, int) or not 0 <= finished <= len(array):
@@ -111,4 +117,4 @@ def _finished(data: Path, state: Path, about: dict[str, Any]) -> tuple[int, int]
     step = max(1, _BLOCK_BYTES // array[:1].nbytes)
     for start in range(0, finished, step):
         crc = zlib.crc32(array[start : min(start + step, finished)].data.cast("B"), crc)
-    return (finished, crc) if crc == found.get("crc32") else (0, 0)
+    return (finished, crc) if crc == saved.get("crc32") else (0, 0)

@@ -32,14 +32,18 @@ from shrm.transfer.rays.occluders import Hits, Occluders
 from shrm.validation import whole_number
 
 VERSION = 1
+"""The version of such folders; those of another are refused."""
 
 _STATE = "visibility.json"
+"""The file that says what is there."""
+
 _PLACES = 65535
+"""Steps of u and v: the largest uint16."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Block(Described):
-    """Vertices that follow each other, and what their rays meet.
+    """Block of vertices that follow each other, and what their rays meet.
 
     Attributes
     ----------
@@ -57,7 +61,7 @@ class Block(Described):
 
     @property
     def vertices(self) -> slice:
-        """Which vertices these are."""
+        """The vertices that these are."""
         return slice(self.first, self.first + len(self.visible))
 
     def parts(self, size: int) -> Iterator[Block]:
@@ -73,7 +77,7 @@ class Block(Described):
 
 
 class Visibility(Described):
-    """The visibility of a mesh's vertices, in a folder.
+    """Visibility of a mesh's vertices, in a folder.
 
     A folder that holds it already, in whole or in part, is continued; one that holds that of something else
     is refused. Other arguments are taken as they are: `shrm.transfer.precompute` checks them.
@@ -133,7 +137,7 @@ class Visibility(Described):
 
     @property
     def finished(self) -> int:
-        """How many blocks are computed."""
+        """Number of blocks that are computed."""
         return len(self._sizes)
 
     def compute(self, progress: Callable[[int, int], None] | None = None) -> None:
@@ -194,6 +198,7 @@ class Visibility(Described):
             raise ValueError(
                 f"{self.folder}: {self.finished} of {self.blocks} blocks are computed: compute first"
             )
+
         path, first = self._path(index), index * self.block
         B, D = min(self.block, len(self.vertices) - first), len(self.directions)
         content = path.read_bytes()
@@ -215,6 +220,7 @@ class Visibility(Described):
         return Block(first, visible, Hits(face, u * scale, v * scale))
 
     def _parameters(self) -> dict[str, object]:
+        """Return what the visibility depends on, as the folder says it."""
         return {
             "format": "shrm visibility",
             "version": VERSION,
@@ -230,7 +236,7 @@ class Visibility(Described):
         }
 
     def _opened(self) -> list[int]:
-        """Sizes in bytes of the blocks that are finished; a new folder is begun."""
+        """Return the sizes in bytes of the blocks that are finished; begin a new folder."""
         self.folder.mkdir(parents=True, exist_ok=True)
         for left in self.folder.glob(".visibility*.part"):  # by a process that was killed as it wrote
             left.unlink(missing_ok=True)
@@ -243,6 +249,8 @@ class Visibility(Described):
             sizes = [whole_number("size", size, 1) for size in state.pop("finished")]
         except (ValueError, TypeError, KeyError, AttributeError) as fault:
             raise self._damaged(path) from fault
+
+        # The same mesh, directions and versions, and all blocks that it names
         other = [name for name in {**self._about, **state} if state.get(name) != self._about.get(name)]
         if other:
             raise ValueError(
@@ -258,14 +266,17 @@ class Visibility(Described):
         return sizes
 
     def _write_state(self, sizes: list[int]) -> None:
+        """Write how large the blocks are that are finished."""
         text = json.dumps({**self._about, "finished": sizes}, indent=1)
         write_bytes(self.folder / _STATE, (text + "\n").encode())
         self._sizes = sizes
 
     def _path(self, index: int) -> Path:
+        """Return the path of a block."""
         return self.folder / f"visibility_{index:05d}.npz"
 
     def _damaged(self, path: Path) -> ValueError:
+        """Return the error of a file of the folder that is not as it was written."""
         return ValueError(f"{path}: missing, cut short or damaged: remove {self.folder} and compute it again")
 
 
@@ -278,6 +289,7 @@ def digest(*arrays: npt.NDArray[Any]) -> str:
 
 
 def _checked(array: npt.NDArray[Any], dtype: npt.DTypeLike, *shape: int) -> npt.NDArray[Any]:
+    """Return an array of a file; refuse one of another type or shape."""
     if array.dtype != dtype or array.shape != shape:
         raise ValueError(f"{array.dtype} {array.shape}")
     return array
