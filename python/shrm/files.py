@@ -1,4 +1,4 @@
-"""Files that are whole or not there, and what went wrong with one, as a person is told it."""
+"""Writing files whole or not at all, and reporting in one line what went wrong."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 PathLike = str | os.PathLike[str]
-"""What names a file."""
+"""A path to a file."""
 
 
 @contextmanager
@@ -27,11 +27,11 @@ def replacing(path: Path) -> Iterator[Path]:
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         yield beside
-        written = os.open(beside, os.O_RDONLY)
+        descriptor = os.open(beside, os.O_RDONLY)
         try:
-            os.fsync(written)
+            os.fsync(descriptor)
         finally:
-            os.close(written)
+            os.close(descriptor)
         os.replace(beside, path)
     except OSError as fault:
         if fault.errno is None:
@@ -49,7 +49,7 @@ def write_bytes(path: Path, content: bytes | memoryview) -> None:
 
 
 def one_line(fault: BaseException) -> str:
-    """Say a fault in one line; one of the system names the file first."""
+    """Describe a fault in one line; one of the operating system begins with the name of the file."""
     if isinstance(fault, OSError) and fault.filename is not None and fault.strerror:
         return f"{fault.filename}: {fault.strerror}"
     if isinstance(fault, MemoryError):

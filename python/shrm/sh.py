@@ -31,7 +31,7 @@ from shrm.validation import (
 __all__ = ["MAX_DEGREE", "Plan", "analysis", "basis_size", "degree_of", "evaluate", "rotate", "synthesis"]
 
 MAX_DEGREE = 1000
-"""Degrees above this are refused; recurrences are checked to it."""
+"""Largest degree that is taken: the recurrences are tested up to it."""
 
 
 def analysis(pixels: npt.ArrayLike, F: int) -> FloatArray:
@@ -104,8 +104,8 @@ def evaluate(coefficients: npt.ArrayLike, directions: npt.ArrayLike) -> FloatArr
     TypeError, ValueError
         If a shape does not fit, or the directions are not unit vectors (to 1e-4).
     """
-    at = unit_vectors("directions", directions)
-    return _core.evaluate(coefficients=_coefficients(coefficients), directions=at)
+    vectors = unit_vectors("directions", directions)
+    return _core.evaluate(coefficients=_coefficients(coefficients), directions=vectors)
 
 
 def rotate(coefficients: npt.ArrayLike, R: npt.ArrayLike) -> FloatArray:
@@ -145,8 +145,8 @@ class Plan:
     channels : int
         Channels of the pictures, 1 to 4096.
     areas : bool
-        Whether texels are areas, as in `Environment.coefficients`, or samples at their centers, as in
-        `analysis`.
+        True if texels are areas, as in `Environment.coefficients`; False if they are samples at their
+        centers, as in `analysis`.
 
     Raises
     ------
@@ -265,7 +265,7 @@ def degree_of(coefficients: npt.NDArray[np.generic]) -> int:
 
 
 def _picture(pixels: npt.ArrayLike) -> Float32Array:
-    """Samples as (H, W, channels) float32; TypeError or ValueError if they are not real and finite."""
+    """Return samples as (H, W, channels) float32; TypeError or ValueError if they are not real and finite."""
     # Large pictures of float32 are not taken through float64.
     is_float32 = type(pixels) is np.ndarray and pixels.dtype == np.float32
     array = np.asarray(pixels) if is_float32 and np.isfinite(pixels).all() else real_array("pixels", pixels)
@@ -277,7 +277,7 @@ def _picture(pixels: npt.ArrayLike) -> Float32Array:
 
 
 def _coefficients(coefficients: npt.ArrayLike) -> FloatArray:
-    """Coefficients as ((F+1)^2, channels) float64; TypeError or ValueError if they are none."""
+    """Return coefficients as ((F+1)^2, channels) float64; TypeError or ValueError if they are none."""
     array = real_array("coefficients", coefficients)
     if array.ndim == 1:
         array = array[:, None]

@@ -140,7 +140,7 @@ def test_minimum_is_the_smaller_of_the_two():
     env = Environment.daylight()
     power = LightPower.of(env, 60)
     least = error_of(brdf.GGX(0.2), [(10, 3)], power, "minimum").error
-    light = 1 - power.degrees[:11].sum() / (power.degrees.sum() + power.rest.sum())
+    light = 1 - power.degrees[:11].sum() / (power.degrees.sum() + power.above.sum())
     assert least == pytest.approx(
         min(light, error_of(brdf.GGX(0.2), [(10, 3)], power, "brdf").error), rel=1e-9
     )

@@ -140,7 +140,7 @@ def test_values_that_halves_do_not_reach_are_refused():
     bright = Environment(env.pixels * np.float32(1e6))
     prefilter(bright, brdf.Lambert(1.0), orders=(4, 0), size=8)
     with pytest.raises(
-        ValueError, match=r"half floats end at 65504, and the maps reach .*e\+06: use half=False"
+        ValueError, match=r"maps must be at most 65504 to be half floats, got .*e\+06: use half=False"
     ):
         prefilter(bright, brdf.Lambert(1.0), orders=(4, 0), size=8, half=True)
     with pytest.raises(TypeError, match="half must be True or False, got 1"):

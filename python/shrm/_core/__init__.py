@@ -9,12 +9,12 @@ from importlib import import_module
 
 from shrm._core import processor
 
-_wanted = os.environ.get("SHRM_INSTRUCTION_SET")
-if _wanted is not None and _wanted not in processor.instruction_sets():
+_requested = os.environ.get("SHRM_INSTRUCTION_SET")
+if _requested is not None and _requested not in processor.instruction_sets():
     raise ImportError(
-        f"SHRM_INSTRUCTION_SET is {_wanted!r}, but this processor and build have "
+        f"SHRM_INSTRUCTION_SET is {_requested!r}, but this processor and build have "
         + ", ".join(processor.instruction_sets())
     )
-INSTRUCTION_SET: str = _wanted or processor.instruction_sets()[0]
+INSTRUCTION_SET: str = _requested or processor.instruction_sets()[0]
 _build = import_module(f"shrm._core.{INSTRUCTION_SET.replace('-', '_')}")
 globals().update({name: value for name, value in vars(_build).items() if not name.startswith("_")})

@@ -64,7 +64,7 @@ FILES: Mapping[str, Callable[[str, str], BRDF]] = {
     "abc": ABC.read,
     "sgd": SGD.read,
 }
-"""What reads a material of a file of fits, FILE#NAME."""
+"""Readers of a material in a file of fits, FILE#NAME."""
 
 _TERM = re.compile(r"(?P<name>[A-Za-z][\w-]*)\s*(?::(?P<after>.*)|\((?P<within>.*)\))?", re.DOTALL)
 _PLUS = re.compile(r"(?<![\d.][eE])\+")  # not the plus of 1e+3
@@ -92,31 +92,32 @@ def parse(text: str) -> BRDF:
 
 
 def filled(text: str, extrapolate: Extrapolate) -> str:
-    """Return the text of the same material with its files of measurements filled so.
+    """Return the text of the same material with its files of measurements extrapolated.
 
     Parameters
     ----------
     text : str
-        As `parse` reads it; files that say themselves how they are filled keep it.
+        A material's text as `parse` reads it; files with an extrapolation of their own keep it.
     extrapolate : {"nearest", "zero"}
         See `shrm.brdf.load`.
     """
 
-    def whole(file: _File) -> str:
+    def extrapolated(file: _File) -> str:
         return file._replace(extrapolate=file.extrapolate or extrapolate).text
 
     def term(text: str) -> str:
-        *factors, rest = (part.strip() for part in text.split("*"))
-        file = _file(rest)
-        return "*".join([*factors, rest if file is None else whole(file)])
+        *factors, material = (part.strip() for part in text.split("*"))
+        file = _file(material)
+        return "*".join([*factors, material if file is None else extrapolated(file)])
 
     file = _file(text)
-    return " + ".join(map(term, _PLUS.split(text))) if file is None else whole(file)
+    return " + ".join(map(term, _PLUS.split(text))) if file is None else extrapolated(file)
 
 
 def _term(term: str, text: str) -> BRDF:
-    *factors, rest = (part.strip() for part in term.split("*"))
-    material = _factorless(rest, text)
+    """Make the material of a term, its factors included; errors quote the whole text."""
+    *factors, factorless = (part.strip() for part in term.split("*"))
+    material = _factorless(factorless, text)
     for factor in reversed(factors):
         weight = _number_or_rgb(factor)
         if weight is None:
@@ -126,16 +127,20 @@ def _term(term: str, text: str) -> BRDF:
 
 
 def _factorless(term: str, text: str) -> BRDF:
+    """Make the material of a term without factors: of a file, a fit, or a model."""
+    # A file of measurements, or a name with arguments
     if (file := _file(term)) is not None:
         return file.load()
     match = _TERM.fullmatch(term)
-    known = ", ".join(dict.fromkeys([*MODELS, *fits.MAKERS]))
+    names = ", ".join(dict.fromkeys([*MODELS, *fits.MAKERS]))
     if match is None:
         raise ValueError(
             f"{text!r}: expected a material such as ggx:0.1, or a file of measurements, at {term!r}; "
-            f"known are {known}"
+            f"known are {names}"
         )
     name, arguments = match["name"].lower(), (match["after"] or match["within"] or "").strip()
+
+    # A material of a file of fits, a published fit, or a model
     path, hash_sign, material = arguments.rpartition("#")
     if name in FILES and hash_sign:
         if not (path and material):
@@ -147,11 +152,11 @@ def _factorless(term: str, text: str) -> BRDF:
         return fits.fit(name, arguments)
     if name in MODELS:
         return _model(name, arguments)
-    raise ValueError(f"{text!r}: no material or file {match['name']!r}; known are {known}")
+    raise ValueError(f"{text!r}: no material or file {match['name']!r}; known are {names}")
 
 
 SUFFIXES = (".brdf", ".bsdf", ".binary", ".alta")
-"""Of names that are files, though none is there."""
+"""Endings of names that are taken for files even where there is no such file."""
 
 _FILE = re.compile(r"(?P<path>.+?)(?P<with>[:(](?:(?:extrapolate|sample)=[^,)]*,?)+\)?)?", re.DOTALL)
 
@@ -175,34 +180,38 @@ class _File(NamedTuple):
 
     @property
     def text(self) -> str:
-        given = {"sample": self.sample, "extrapolate": self.extrapolate}
-        arguments = ",".join(f"{key}={value}" for key, value in given.items() if value is not None)
+        values = {"sample": self.sample, "extrapolate": self.extrapolate}
+        arguments = ",".join(f"{key}={value}" for key, value in values.items() if value is not None)
         return f"{self.path}:{arguments}" if arguments else self.path
 
 
 def _file(term: str) -> _File | None:
     """Return the file that a text names, or None: one that is there, or a name that is nothing else."""
+    # A file that is there, or a name that can be nothing else
     match = _FILE.fullmatch(term)
     if match is None:
         return None
     path = match["path"]
     try:
-        there = Path(path).is_file()
+        exists = Path(path).is_file()
     except (OSError, ValueError):  # too long for a path, or with a zero in it
         return None
     alone = not _PLUS.search(path) and "*" not in path
     a_name = "/" in re.split("[:(]", path)[0] or Path(path).suffix.lower() in SUFFIXES
-    if not (there or (alone and a_name)):
+    if not (exists or (alone and a_name)):
         return None
-    given = re.findall(r"(extrapolate|sample)=([^,)]*)", match["with"] or "")
-    arguments = dict(given)
-    if len(given) > len(arguments):
-        raise ValueError(f"{path}: {given[-1][0]} is given twice")
+
+    # Its arguments, each once
+    pairs = re.findall(r"(extrapolate|sample)=([^,)]*)", match["with"] or "")
+    arguments = dict(pairs)
+    if len(pairs) > len(arguments):
+        raise ValueError(f"{path}: {pairs[-1][0]} is given twice")
     return _File(path, arguments.get("extrapolate"), arguments.get("sample"))
 
 
 def _model(name: str, arguments: str) -> BRDF:
-    """A material whose arguments are its class's parameters."""
+    """Make a material whose arguments are its class's parameters."""
+    # Arguments by position, then by name
     fields = _fields(name)
     names = [field.name for field in fields]
     values: dict[str, float | RGB | str] = {}
@@ -218,6 +227,8 @@ def _model(name: str, arguments: str) -> BRDF:
             raise ValueError(f"{name}: {key} is given twice")
         number = _number_or_rgb(value)
         values[key] = value if number is None else number
+
+    # All that have no default must be there.
     missing = [
         field.name for field in fields if field.default is dataclasses.MISSING and field.name not in values
     ]
@@ -230,7 +241,7 @@ def _model(name: str, arguments: str) -> BRDF:
 
 
 def _number_or_rgb(text: str) -> float | RGB | None:
-    """A number, three separated by slashes, or None if the text is neither."""
+    """Return a number, or three separated by slashes; None if the text is neither."""
     parts = text.split("/")
     try:
         numbers = [float(part) for part in parts]
@@ -242,7 +253,7 @@ def _number_or_rgb(text: str) -> float | RGB | None:
 
 
 def _signature(name: str) -> str:
-    """The parameters of a model as text: 'alpha, f0=1'."""
+    """Return the parameters of a model as text: 'alpha, f0=1'."""
     return ", ".join(
         field.name if field.default is dataclasses.MISSING else f"{field.name}={field.default}"
         for field in _fields(name)
@@ -250,6 +261,6 @@ def _signature(name: str) -> str:
 
 
 def _fields(name: str) -> list[dataclasses.Field[object]]:
-    """A model's parameters, without what can be given by keyword alone: its label."""
-    every = dataclasses.fields(MODELS[name])  # type: ignore[arg-type]
-    return [field for field in every if not field.kw_only]
+    """Return a model's parameters, without what can be given by keyword alone: its label."""
+    fields = dataclasses.fields(MODELS[name])  # type: ignore[arg-type]
+    return [field for field in fields if not field.kw_only]

@@ -1,4 +1,4 @@
-"""Which options of a command go together: a table for each command, and one form of refusal.
+"""Checks of options that need or exclude each other: a table for each command, and one form of refusal.
 
 An entry of a table is a flag (`--gpu`), a flag with one of its values (`--method angular`), or the name of a
 positional argument (`FILE.shrt`). An option that has its default value counts as not given.
@@ -15,21 +15,21 @@ TRANSFER_FILE = "FILE.shrt"
 
 
 class Rule(NamedTuple):
-    """What an option goes with.
+    """Arguments that an option needs and that it excludes.
 
     Attributes
     ----------
     needs : tuple of str
-        One of these must be given, too; nothing if it is empty.
+        Arguments of which one must be given, too; none is needed if there are none.
     excludes : tuple of str
-        None of these may be given.
+        Arguments that must not be given.
     """
 
     needs: tuple[str, ...] = ()
     excludes: tuple[str, ...] = ()
 
 
-def given(options: argparse.Namespace) -> set[str]:
+def flags_given(options: argparse.Namespace) -> set[str]:
     """Return the flags whose values are not the default, alone and with their value or each of several."""
     flags: set[str] = set()
     for name, value in vars(options).items():
@@ -45,7 +45,7 @@ def require_compatible(present: Collection[str], rules: Mapping[str, Rule]) -> N
     Raises
     ------
     argparse.ArgumentError
-        If one is there that another excludes, or one is missing that another needs.
+        If one is given that another excludes, or one is missing that another needs.
     """
     for option, rule in rules.items():
         if option not in present:
@@ -53,6 +53,8 @@ def require_compatible(present: Collection[str], rules: Mapping[str, Rule]) -> N
         for excluded in rule.excludes:
             if excluded in present:
                 raise argparse.ArgumentError(None, f"argument {option}: not allowed with argument {excluded}")
-        if rule.needs and not any(needed in present for needed in rule.needs):
-            needed = " or ".join(rule.needs)
-            raise argparse.ArgumentError(None, f"argument {option}: only allowed with argument {needed}")
+        if rule.needs and not any(argument in present for argument in rule.needs):
+            alternatives = " or ".join(rule.needs)
+            raise argparse.ArgumentError(
+                None, f"argument {option}: only allowed with argument {alternatives}"
+            )

@@ -1,4 +1,4 @@
-"""What the commands print on standard error while they work: progress and warnings; and interrupts."""
+"""Progress and warnings on standard error while a command works, and interrupts."""
 
 from __future__ import annotations
 
@@ -44,10 +44,10 @@ def progress(title: str) -> Iterator[Callable[[float], None]]:
     Yields
     ------
     callable
-        Takes the share of the work that is done, 0 to 1. Until it is called the bar shows that work goes on.
+        Takes the share of the work that is done, 0 to 1. Until the first call the bar pulses.
     """
     if not sys.stderr.isatty():
-        yield lambda done: None
+        yield lambda share: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -55,7 +55,7 @@ def progress(title: str) -> Iterator[Callable[[float], None]]:
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bars:
         bar = bars.add_task(title, total=None)
-        yield lambda done: bars.update(bar, total=1.0, completed=done)
+        yield lambda share: bars.update(bar, total=1.0, completed=share)
 
 
 @contextmanager
@@ -65,7 +65,7 @@ def stages() -> Iterator[Callable[[str, int, int], None]]:
     Yields
     ------
     callable
-        Takes the name of the stage, how much of it is done, and how much there is in all.
+        Takes the name of the stage, its steps that are done, and their number.
     """
     if not sys.stderr.isatty():
         yield lambda stage, done, total: None
@@ -81,14 +81,14 @@ def stages() -> Iterator[Callable[[str, int, int], None]]:
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bars:
-        shown: dict[str, TaskID] = {}
+        tasks: dict[str, TaskID] = {}
 
         def update(stage: str, done: int, total: int) -> None:
-            if stage not in shown:
-                for bar in shown.values():
-                    bars.stop_task(bar)
-                shown[stage] = bars.add_task(stage, total=total)
-            bars.update(shown[stage], completed=done, total=total)
+            if stage not in tasks:  # the stages before it have ended
+                for task in tasks.values():
+                    bars.stop_task(task)
+                tasks[stage] = bars.add_task(stage, total=total)
+            bars.update(tasks[stage], completed=done, total=total)
 
         yield update
 

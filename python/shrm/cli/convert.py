@@ -30,7 +30,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         choices=LAYOUTS,
         default="latlong",
         metavar="LAYOUT",
-        help="layout to write, one of the same (default: latlong)",
+        help="layout to write, one of those of --env-layout (default: latlong)",
     )
     command.add_argument(
         "--size",

@@ -31,7 +31,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Make the folder and print the table."""
+    """Write the folder and print the table."""
     from shrm.cli.demonstration import make_demo
 
     with progress("Prefiltering and drawing") as report:

@@ -39,20 +39,33 @@ MATERIALS = {
     "gold": "ggx:.4,1/.71/.29",
     "steel": "ggx:.1,.62/.6/.58",
 }
-"""From Lambert to near-mirror, in the words of `shrm.brdf.parse`."""
+"""Materials by name, from Lambert to near-mirror, as texts that `shrm.brdf.parse` reads."""
 
 TOLERANCE = 0.03
+"""Relative RMS error of the reflected radiance that is asked for."""
+
 AMPLIFIED = 16
-SUN_AZIMUTH, SUN_ELEVATION = 128.0, 38.0  # over the left shoulder of the camera, which looks along +x
+"""Factor of the difference in the fourth picture."""
+
+SUN_AZIMUTH, SUN_ELEVATION = 128.0, 38.0
+"""Degrees: over the left shoulder of the camera, which looks along +x."""
+
 TURBIDITY = 2.0
+"""Haze of the sky: very clear, so that the sun is sharp."""
+
 GROUND = (0.32, 0.23, 0.14)
-ROWS = 48  # of the light, so that direct integration takes seconds; the background is finer
-FRAMES = 1600  # random frames (N, V) that the measured error is taken over
+"""Albedo of the ground, R, G, B."""
+
+ROWS = 48
+"""Rows of the light, so few that direct integration takes seconds; the background is finer."""
+
+FRAMES = 1600
+"""Random frames (N, V) over which the error is measured."""
 
 
 @dataclass(frozen=True)
 class Result:
-    """One line of the table."""
+    """One line of the table: a material, its orders, its errors (relative RMS) and its time."""
 
     name: str
     material: str
@@ -71,8 +84,8 @@ def make_demo(
     Parameters
     ----------
     folder : path
-        Made if it is not there: spheres.png, integrated.png, difference.png, difference-x16.png and
-        one reflection map (.exr) for each material.
+        Folder for spheres.png, integrated.png, difference.png, difference-x16.png and one reflection map
+        (.exr) for each material; it is made if it does not exist.
     diameter : int
         Pixels across a sphere.
     progress : callable, optional
@@ -89,9 +102,10 @@ def make_demo(
         If the folder cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    say = progress or (lambda done: None)
+    report = progress or (lambda share: None)
     env = daylight(ROWS)
 
+    # Each material by both methods
     frequency: list[SupportsRadiance] = []
     integrated: list[SupportsRadiance] = []
     results = []
@@ -106,18 +120,21 @@ def make_demo(
         results.append(Result(name, text, rm.F, rm.P, rm.error, measured, milliseconds))
         frequency.append(rm)
         integrated.append(reference)
-        say(0.4 * (index + 1) / len(MATERIALS))
+        report(0.4 * (index + 1) / len(MATERIALS))
 
+    # The rows of spheres, and their difference
     sky = daylight(512)
-    spheres = draw(frequency, sky, diameter, lambda done: say(0.4 + 0.1 * done))
-    judged = draw(integrated, sky, diameter, lambda done: say(0.5 + 0.5 * done))
-    exposure = automatic_exposure(judged.radiance, judged.coverage)
-    difference = np.abs(spheres.radiance - judged.radiance)
+    spheres = draw(frequency, sky, diameter, lambda share: report(0.4 + 0.1 * share))
+    exact = draw(integrated, sky, diameter, lambda share: report(0.5 + 0.5 * share))
+    exposure = automatic_exposure(exact.radiance, exact.coverage)
+    difference = np.abs(spheres.radiance - exact.radiance)
+
+    # The pictures with their captions
     orders = [f"F = {row.F}, P = {row.P}" for row in results]
     errors = [f"{row.measured:.1%}" for row in results]
     for file, light, captions in (
         ("spheres", spheres.radiance, orders),
-        ("integrated", judged.radiance, ["integrated"] * len(results)),
+        ("integrated", exact.radiance, ["integrated"] * len(results)),
         ("difference", difference, errors),
         (f"difference-x{AMPLIFIED}", AMPLIFIED * difference, [f"{text}, x {AMPLIFIED}" for text in errors]),
     ):
@@ -163,7 +180,7 @@ def labelled(pixels: npt.NDArray[np.uint8], captions: list[str], diameter: int) 
 
 
 def relative_rms(a: SupportsRadiance, b: SupportsRadiance, about_tangent: bool) -> float:
-    """Relative RMS difference of a from b over random frames.
+    """Return the relative RMS difference of a from b over random frames.
 
     The measure is the one that predicted errors use: R uniform on the sphere and cos^2 of the view's
     angle to N uniform; about the tangent, T and V uniform and independent. Under a sun, a few frames hold
@@ -196,7 +213,7 @@ def relative_rms(a: SupportsRadiance, b: SupportsRadiance, about_tangent: bool) 
 def directions_near_the_sun(
     rng: np.random.Generator,
 ) -> tuple[FloatArray, FloatArray]:
-    """Unit vectors (FRAMES, 3), half uniform and half within 30 degrees of the sun, and their weights."""
+    """Return unit vectors (FRAMES, 3), half uniform, half within 30 degrees of the sun, and their weights."""
     elevation, azimuth = np.radians([SUN_ELEVATION, SUN_AZIMUTH])
     across = np.cos(elevation)
     sun = np.array([across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)])
@@ -205,11 +222,12 @@ def directions_near_the_sun(
     cosine = lowest + (1.0 - lowest) * rng.uniform(size=FRAMES)
     sideways = unit(np.cross(sun, unit(rng.normal(size=(FRAMES, 3)))))
     directions = cosine[:, None] * sun + np.sqrt(1.0 - cosine**2)[:, None] * sideways
+
     # Uniform is 1/2 per unit of the cosine; the mixture is 1/4, and 1 / (2 (1 - rim)) more in the cap.
     density = 0.25 + np.where(cosine >= rim, 0.5 / (1.0 - rim), 0.0)
     return directions, 0.5 / density
 
 
 def single(vectors: FloatArray) -> Float32Array:
-    """In float32, contiguous."""
+    """Return vectors as contiguous float32."""
     return np.ascontiguousarray(vectors, np.float32)

@@ -11,11 +11,14 @@ if TYPE_CHECKING:
     from shrm.transfer.object import RadianceTransfer
 
 LAST_DEGREE = 60
-"""Of the spectrum of an environment."""
+"""Largest degree of the spectrum of an environment that is computed."""
+
 SHOWN_DEGREES = (0, 1, 2, 4, 8, 16, 30, 60)
-"""Degrees to which the share of an environment's energy is printed."""
+"""Degrees up to which the share of an environment's energy is printed."""
+
 VIEW_ANGLES = (0, 30, 60, 80)
-"""Degrees from the normal at which a material's albedo is printed."""
+"""Angles from the normal, degrees, at which a material's albedo is printed."""
+
 CAPTURED = 0.97
 """Share of a lobe's energy for which orders are printed."""
 
@@ -189,15 +192,15 @@ def transfer_lines(path: str) -> list[str]:
 
 
 def _variant_description(transfer: RadianceTransfer, name: str) -> str:
-    """Return what is kept of a variant."""
+    """Describe the components and matrices of a variant."""
     variant = transfer.variants[name]
-    kept = []
+    contents = []
     if variant.weights is not None:
         snr = transfer.report.get("compression", {}).get(name, {}).get("SNR")
         components = f"{variant.K} components"
         if variant.clusters is not None:
             components += f" in each of {int(variant.clusters.max()) + 1} clusters"
-        kept.append(components if snr is None else f"{components}, {snr:.1f} dB")
+        contents.append(components if snr is None else f"{components}, {snr:.1f} dB")
     if variant.matrices is not None:
-        kept.append("matrices")
-    return "; ".join(kept)
+        contents.append("matrices")
+    return "; ".join(contents)

@@ -63,6 +63,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Print what the files hold, and draw the figure."""
+    # An environment's file may turn out to be a material's.
     if options.env is not None and _is_measured(options.env):
         if options.brdf is not None:
             raise argparse.ArgumentError(
@@ -73,6 +74,7 @@ def run(options: argparse.Namespace) -> None:
         raise argparse.ArgumentError(None, "one of the arguments ENV --brdf is required")
     if options.plot is not None and options.brdf is None:
         raise argparse.ArgumentError(None, "argument --plot: only allowed with argument --brdf")
+
     env = None if options.env is None else _describe_file(options)
     if options.brdf is not None:
         brdf = parse_brdf(material_text(options, options.brdf))
@@ -104,7 +106,7 @@ def _describe_file(options: argparse.Namespace) -> Environment | None:
 
 
 def _is_measured(path: str) -> bool:
-    """Return whether a file is one of measurements."""
+    """Tell whether a file is one of measurements."""
     from shrm.brdf import measured
 
     try:
@@ -114,7 +116,7 @@ def _is_measured(path: str) -> bool:
 
 
 def _kind_of_maps(path: str) -> str | None:
-    """Return which maps of `shrm prefilter` a file holds: "reflection map", "prefiltered" or None."""
+    """Return the kind of maps of `shrm prefilter` in a file: "reflection map", "prefiltered" or None."""
     from shrm.image_io import ImageError, read_parts
 
     if not path.endswith(".exr"):

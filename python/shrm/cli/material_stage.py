@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from shrm.render import Camera, Object, SupportsRadiance
 
 FREQUENCY_TOLERANCE = 0.05
-"""Relative RMS of the reflected radiance, unless --tolerance is given."""
+"""Default tolerance in frequency space, the relative RMS error of the reflected radiance."""
+
 INTEGRATION_TOLERANCE = 0.01
-"""The same of the hierarchical method, and of earlier techniques, which it integrates."""
+"""Default tolerance of the hierarchical method, and of earlier techniques, whose maps it integrates."""
 
 
 class MaterialStage(Stage):

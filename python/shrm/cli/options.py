@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from shrm.render import Mesh
 
     Arguments = argparse.ArgumentParser | argparse._ArgumentGroup
-    """What options are added to: a command, or one of its groups of options."""
+    """A command, or one of its groups of options: options are added to either."""
 
 DAYLIGHT = "daylight"
-"""In place of an environment map's file: the analytic sky."""
+"""Name of the analytic sky, which may stand in place of an environment map's file."""
 
 LAYOUTS = (
     "latlong",
@@ -45,9 +45,9 @@ MATERIAL = "material, such as ggx:0.3, microfacet:0.2 or merl-sgd:brass, or a fi
 
 
 def add_environment(arguments: Arguments, *, required: bool = True, alternatives: str = "") -> None:
-    """Add the environment as a positional argument, and how its file is read.
+    """Add the environment as a positional argument, and the options for reading its file.
 
-    `alternatives` says what else may stand in its place.
+    `alternatives` is appended to its help: what else may stand in its place.
     """
     arguments.add_argument(
         "env", metavar="ENV", nargs=None if required else "?", help=f"{ENVIRONMENT}{alternatives}"
@@ -56,7 +56,7 @@ def add_environment(arguments: Arguments, *, required: bool = True, alternatives
 
 
 def add_environment_option(arguments: Arguments) -> None:
-    """Add the environment as --env, and how its file is read."""
+    """Add the environment as --env, and the options for reading its file."""
     arguments.add_argument(
         "--env", metavar="ENV", default=DAYLIGHT, help=f"{ENVIRONMENT} (default: {DAYLIGHT})"
     )
@@ -141,13 +141,13 @@ def add_orders(arguments: Arguments, default: str) -> None:
         "--tolerance",
         type=values.tolerance,
         metavar="T",
-        help=f"error that is accepted: relative RMS of the reflected radiance (default: {default})",
+        help=f"largest error, the relative RMS of the reflected radiance (default: {default})",
     )
     either.add_argument(
         "--orders",
         type=values.orders,
         metavar="F,P",
-        help="orders of the light and of the view, in place of a tolerance, such as 30,4",
+        help="orders of the light and of the view, such as 30,4, in place of a tolerance",
     )
 
 
@@ -225,7 +225,7 @@ VARIANTS = ("unshadowed", "shadowed", "interreflected")
 
 
 def add_transfer_choice(arguments: Arguments, *, row: bool = False) -> None:
-    """Add which part of an object's transfer is used; in a row there may be several variants."""
+    """Add the options that choose a part of an object's transfer; in a row there may be several variants."""
     arguments.add_argument(
         "--variant",
         choices=VARIANTS,

@@ -11,7 +11,7 @@ import time
 from typing import TYPE_CHECKING
 
 from shrm.cli import values
-from shrm.cli.compatibility import Rule, given, require_compatible
+from shrm.cli.compatibility import Rule, flags_given, require_compatible
 from shrm.cli.console import progress
 from shrm.cli.options import (
     MATERIAL,
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 EXAMPLE = "shrm prefilter grace.hdr --brdf ggx:alpha=0.2,f0=0.04 --tolerance 0.02 -o grace-ggx.exr"
 
 TOLERANCE = 0.05
-"""Relative RMS of the reflected radiance, unless --tolerance is given."""
+"""Default of --tolerance, the relative RMS error of the reflected radiance."""
 
 RULES = {
     "--max-orders": Rule(excludes=("--orders",)),
@@ -47,7 +47,7 @@ RULES = {
         excludes=("--orders", "--max-orders", "--criterion", "--window", "--clamp", "--residual")
     ),
 }
-"""Which options go together."""
+"""Options that need or exclude others."""
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -66,9 +66,9 @@ def _add_accuracy(group: Arguments) -> None:
         "--criterion",
         choices=("light", "brdf", "minimum", "bound"),
         default="light",
-        help="what the tolerance limits: the error of the reflected light (light, default), the share of the"
-        " material's energy beyond the orders (brdf), the smaller of this and of that of the environment"
-        " (minimum), or an upper bound of the error (bound)",
+        help="quantity that the tolerance limits: the error of the reflected light (light, default), the"
+        " fraction of the material's energy beyond the orders (brdf), the smaller of the fractions of the"
+        " material's and the environment's energy (minimum), or an upper bound on the error (bound)",
     )
     add_residual(group)
 
@@ -97,22 +97,22 @@ def _add_maps(group: Arguments) -> None:
     group.add_argument(
         "--center",
         choices=("lobe", "reflection", "normal"),
-        help="direction that lobes are expanded about: the mean of the lobe, the reflected view as in"
-        " [RH02], or the normal (default: the best for each lobe; lobes that are symmetric about a direction"
-        " keep it)",
+        help="direction that lobes are expanded about: the mean direction of the lobe, the reflected view as"
+        " in [RH02], or the normal (default: the best for each lobe); lobes that are symmetric about a"
+        " direction keep it",
     )
     group.add_argument(
         "--window",
         choices=("hann", "lanczos"),
         help="attenuate high degrees against ringing (default: off)",
     )
-    group.add_argument("--clamp", action="store_true", help="clamp negative radiance to zero when it is read")
+    group.add_argument("--clamp", action="store_true", help="clamp negative radiance to zero on look-up")
     add_output(group, ".exr")
 
 
 def run(options: argparse.Namespace) -> None:
     """Read, prefilter, save."""
-    require_compatible(given(options), RULES)
+    require_compatible(flags_given(options), RULES)
     options.layout = "cube" if options.layout == "strip" else options.layout
     brdf = parse_brdf(material_text(options, options.brdf))
     with progress("Reading the environment"):

@@ -14,7 +14,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from shrm.cli import values
-from shrm.cli.compatibility import TRANSFER_FILE, Rule, given, require_compatible
+from shrm.cli.compatibility import TRANSFER_FILE, Rule, flags_given, require_compatible
 from shrm.cli.console import progress
 from shrm.cli.options import (
     MATERIAL,
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 EXAMPLE = "shrm render --env grace.hdr --brdf lambert:0.8 --brdf ggx:0.1 --mesh bunny.ply -o bunnies.png"
 
 FRAMES = 120
-"""Pictures of a turntable, unless --frames is given."""
+"""Default of --frames, the pictures of a turntable."""
 
 METHODS = ("frequency", "angular", "hierarchical", "auto")
 
@@ -67,7 +67,7 @@ RULES = {
         ("--variant", "--components", "--tents", "--window", "--light-turn"), Rule(needs=(TRANSFER_FILE,))
     ),
 }
-"""Which options go together."""
+"""Options that need or exclude others."""
 
 # ---- Options
 
@@ -118,9 +118,9 @@ def _add_prefiltering(group: Arguments) -> None:
         "--method",
         choices=METHODS,
         default="frequency",
-        help="how reflected radiance is computed: by reflection maps in frequency space (default), by"
-        " integrating every pixel over all the light (angular) or over a pyramid of it (hierarchical), or by"
-        " what is predicted to cost least (auto)",
+        help="computation of the reflected radiance: by reflection maps in frequency space (frequency,"
+        " default), by integration over the light for each pixel (angular), by integration over a pyramid of"
+        " the light (hierarchical), or by the method that is predicted to cost least (auto)",
     )
     group.add_argument(
         "--technique",
@@ -144,7 +144,7 @@ def _add_mesh(group: Arguments) -> None:
     group.add_argument(
         "--texture",
         metavar="FILE",
-        help="picture over the texture coordinates that multiplies the reflected light",
+        help="texture that multiplies the reflected light",
     )
 
 
@@ -220,7 +220,7 @@ def _add_picture(group: Arguments) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Prefilter each material, draw, write."""
-    present = given(options) | {f"--{kind}" for kind, _ in options.row or ()}
+    present = flags_given(options) | {f"--{kind}" for kind, _ in options.row or ()}
     if options.transfer is not None:
         present.add(TRANSFER_FILE)
     require_compatible(present, RULES)
@@ -250,9 +250,9 @@ def _write(stage: Stage, options: argparse.Namespace) -> None:
     with progress("Rendering" if frames == 1 else f"Rendering {frames} pictures") as report:
         for frame, path in enumerate(paths):
             picture = stage.draw(360.0 * frame / frames, report if frames == 1 else None)
-            used = write_picture(path, picture, exposure, alpha=not options.background)
+            written_exposure = write_picture(path, picture, exposure, alpha=not options.background)
             if frame == 0:  # all have the exposure of the first
-                exposure = used
+                exposure = written_exposure
             report((frame + 1) / frames)
     names = str(paths[0]) if frames == 1 else f"{paths[0]} to {paths[-1].name}"
     encoding = "linear" if exposure is None else f"exposure {exposure:+.2f}"

@@ -22,21 +22,23 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     from shrm_papers import RESULTS
 
-    known = ", ".join(RESULTS)
+    names = ", ".join(RESULTS)
 
     def name(text: str) -> str:
         if text not in RESULTS:
-            raise values.refusal(text, f"one of {known}")
+            raise values.refusal(text, f"one of {names}")
         return text
 
-    command.add_argument("names", nargs="*", type=name, metavar="NAME", help=f"{known} (default: all)")
+    command.add_argument(
+        "names", nargs="*", type=name, metavar="NAME", help=f"result to make: {names} (default: all)"
+    )
     add_environment_option(command)
     command.add_argument(
         "--data",
         type=Path,
         metavar="DIR",
-        help="folder of data: measured materials in brdf/ for rh02-figure-8; for rh02-figure-1 krylon and"
-        " golden_yellow there, grace, stpeters, uffizi and rnl in env/, armadillo in mesh/",
+        help="folder of data: measured materials in brdf/ for rh02-figure-8; for rh02-figure-1 also krylon"
+        " and golden_yellow there, the maps grace, stpeters, uffizi and rnl in env/, and armadillo in mesh/",
     )
     command.add_argument(
         "--fits",
@@ -48,7 +50,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--mesh",
         type=Path,
         metavar="FILE",
-        help="mesh for rh02-figure-1, for kvhs00-figure-6, such as a teapot, and for all of lk03",
+        help="mesh for rh02-figure-1, kvhs00-figure-6 (such as a teapot) and all results of lk03",
     )
     command.add_argument(
         "--quick", action="store_true", help="fewer rows and samples, to check that everything runs"

@@ -1,4 +1,4 @@
-"""What `shrm render` draws on: the light, the camera, and how a turntable turns them."""
+"""The stage of `shrm render`: the light, the camera, and the turntable that turns them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GPU_MAP_SIZE = 128
 
 
 DIAMETER = 320
-"""Pixels across an object, unless --size is given."""
+"""Diameter of an object in the picture by default, pixels."""
 
 
 class Stage(ABC):
@@ -29,16 +29,17 @@ class Stage(ABC):
     Attributes
     ----------
     options : argparse.Namespace
+        The options of the command.
     env : Environment
         The light before it is turned.
     texture : (H, W, 3) float32 or None
-        Multiplies the reflected light.
+        The texture that multiplies the reflected light.
     shape : (H, W)
         Rows and columns of the pictures.
     camera : Camera
         The camera before it is turned.
     centers : list of 3 floats
-        Where the objects stand.
+        Positions of the objects, in their radii.
     """
 
     def __init__(self, options: argparse.Namespace, count: int) -> None:
@@ -66,12 +67,15 @@ class Stage(ABC):
         """
         from shrm.render import about_vertical, render, turned_camera
 
+        # The turntable
         options, camera, turn = self.options, self.camera, self.options.light_turn or 0.0
         if options.turntable == "light":
             turn += degrees
         elif options.turntable == "camera":
             camera = turned_camera(camera, degrees)
         rotation = about_vertical(turn)
+
+        # The picture, by OpenGL or on the CPU
         objects = self.objects(rotation, camera)
         background = self.env if options.background else None
         if options.gpu:

@@ -14,7 +14,7 @@ import time
 from typing import TYPE_CHECKING
 
 from shrm.cli import values
-from shrm.cli.compatibility import Rule, given, require_compatible
+from shrm.cli.compatibility import Rule, flags_given, require_compatible
 from shrm.cli.console import stages
 from shrm.cli.options import (
     MATERIAL,
@@ -38,10 +38,10 @@ if TYPE_CHECKING:
 EXAMPLE = "shrm transfer armadillo.obj --brdf ashikhmin-shirley:nu=40,nv=10 -o armadillo.shrt"
 
 RULES = dict.fromkeys(("--bounces", "--albedo"), Rule(needs=("--variant interreflected",)))
-"""Which options go together."""
+"""Options that need or exclude others."""
 
 PRECOMPUTED = ("unshadowed", "shadowed")
-"""The variants that are precomputed unless others are named."""
+"""Default of --variant."""
 
 # ---- Options
 
@@ -80,21 +80,21 @@ def _add_light(group: Arguments) -> None:
         type=values.count,
         default=5,
         metavar="N",
-        help="order of the light: degrees 0 to N - 1 (default: 5)",
+        help="order of the light, degrees 0 to N - 1 (default: 5)",
     )
     group.add_argument(
         "--directions",
         type=values.count,
         default=4096,
         metavar="D",
-        help="directions over a sphere, in which rays are cast (default: 4096)",
+        help="directions over the sphere in which rays are cast from each vertex (default: 4096)",
     )
     group.add_argument(
         "--variant",
         choices=VARIANTS,
         action="append",
-        help="light that nothing hides, that the object hides, or that its parts also send each other; repeat"
-        f" for several (default: {' and '.join(PRECOMPUTED)})",
+        help="transfer without shadows, with shadows, or with interreflection; repeat for several (default:"
+        f" {' and '.join(PRECOMPUTED)})",
     )
     group.add_argument(
         "--bounces",
@@ -116,8 +116,8 @@ def _add_compression(group: Arguments) -> None:
         type=values.number,
         default=24.0,
         metavar="DB",
-        help="signal-to-noise ratio of outgoing radiance, in dB, that the tents keep, and the components of"
-        " them (default: 24)",
+        help="least signal-to-noise ratio of the outgoing radiance, in dB, for the tents and again for the"
+        " components (default: 24)",
     )
     group.add_argument(
         "--tents",
@@ -142,13 +142,13 @@ def _add_compression(group: Arguments) -> None:
         "--clusters",
         type=values.count,
         metavar="Q",
-        help="clusters of vertices, each with K components of its own (default: 1; K is 3 unless given)",
+        help="clusters of vertices, each with its own K components, 3 unless given (default: 1)",
     )
     group.add_argument("--matrices", action="store_true", help="keep the uncompressed matrices as well")
 
 
 def route(text: str) -> tuple[int, ...] | str:
-    """Read direct, published, S or S,M."""
+    """Read "direct", "published", S or S,M."""
     parts = text.split(",")
     if text in ("direct", "published"):
         return text
@@ -165,7 +165,7 @@ def run(options: argparse.Namespace) -> None:
     from shrm.transfer.precomputation import remove_work
 
     materials = _materials(options)
-    require_compatible(given(options), RULES)
+    require_compatible(flags_given(options), RULES)
     if options.output.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(options.output))
     work = options.output.with_name(options.output.name + ".work")
@@ -180,9 +180,9 @@ def _materials(options: argparse.Namespace) -> list[BRDF]:
     """Return the materials of the options: one, or two with a mask between them."""
     materials = [parse_brdf(material_text(options, text)) for text in options.brdf]
     if len(materials) != (1 if options.mask is None else 2):
-        needed = "once" if options.mask is None else "twice with argument --mask"
+        times = "once" if options.mask is None else "twice with argument --mask"
         raise argparse.ArgumentError(
-            None, f"argument --brdf: must be given {needed}, got {len(materials)} (--mask blends two)"
+            None, f"argument --brdf: must be given {times}, got {len(materials)} (--mask blends two)"
         )
     return materials
 

@@ -19,15 +19,16 @@ if TYPE_CHECKING:
 def open_transfer(
     path: str, options: argparse.Namespace, variants: Sequence[str | None]
 ) -> tuple[RadianceTransfer, list[Lighting]]:
-    """Open an object with transfer and choose of its variants what the options say.
+    """Open an object with transfer and choose the variants, components and tents that the options name.
 
     Parameters
     ----------
     path : str
+        The object's file.
     options : argparse.Namespace
-        Those of `shrm.cli.options.add_transfer_choice`.
+        The options of `shrm.cli.options.add_transfer_choice`.
     variants : sequence of str or None
-        None is the most complete variant that the object has.
+        Names of variants; None is the most complete one that the object has.
 
     Returns
     -------

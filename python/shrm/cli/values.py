@@ -1,4 +1,4 @@
-"""How the text of arguments is read; a wrong one is refused as "must be WHAT, got WHAT IT WAS"."""
+"""Readers of the text of arguments; a wrong one is refused as "must be WHAT, got WHAT IT WAS"."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def refusal(text: str, needed: str) -> argparse.ArgumentTypeError:
-    """Return the error for the text of an argument that must be something else."""
+    """Return the error for the text of an argument that must be what is needed."""
     return argparse.ArgumentTypeError(f"must be {needed}, got {text!r}")
 
 
@@ -40,6 +40,7 @@ def field_of_view(text: str) -> float:
 
 
 def _between(text: str, low: float, high: float, needed: str) -> float:
+    """Read a number between two others, neither included."""
     value = number(text, needed)
     if not low < value < high:
         raise refusal(text, needed)

@@ -13,7 +13,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from shrm.cli import values
-from shrm.cli.compatibility import TRANSFER_FILE, Rule, given, require_compatible
+from shrm.cli.compatibility import TRANSFER_FILE, Rule, flags_given, require_compatible
 from shrm.cli.options import (
     DAYLIGHT,
     ENVIRONMENT,
@@ -41,6 +41,7 @@ EXAMPLE = (
 
 FILTERS = ("two-pass", "exact")
 """Names of `shrm.viewer.window.state.Filter`."""
+
 FILTERED = "kautz-mccool-2d"
 """The technique whose maps the GPU can filter."""
 
@@ -58,7 +59,7 @@ RULES = {
         )
     ),
 }
-"""Which options go together."""
+"""Options that need or exclude others."""
 
 # ---- Options
 
@@ -156,14 +157,14 @@ def run(options: argparse.Namespace) -> None:
 
 
 def state(options: argparse.Namespace) -> State:
-    """Return what the window begins with: a saved state, overridden by the other options.
+    """Return the state that the window begins with: a saved one, overridden by the other options.
 
     Raises
     ------
     OSError, ValueError
-        If the state cannot be read.
+        If the saved state cannot be read.
     argparse.ArgumentError
-        If a material's text is none, or options do not go together.
+        If a text describes no material, or an option excludes or lacks another.
     """
     from dataclasses import replace
     from pathlib import Path
@@ -203,9 +204,10 @@ def _files(options: argparse.Namespace) -> tuple[str | None, str | None]:
 
 def _present(options: argparse.Namespace, transfer: str | None, shows_transfer: bool) -> set[str]:
     """Return the arguments that are given, as `RULES` names them."""
-    present = given(options)
+    present = flags_given(options)
     if options.path is not None:
         present.add("ENV" if transfer is None else TRANSFER_FILE)
+
     # A saved object has transfer, too, which options may choose from; those of materials replace the object.
     if shows_transfer and transfer is None:
         present -= {"--variant", "--components", "--tents", "--window"}

@@ -1,4 +1,4 @@
-"""From a lobe to its coefficients rho_lpq: the three steps of [RH02] appendix C, about any center.
+"""Analysis of a lobe into its coefficients rho_lpq: the three steps of [RH02] appendix C, about any center.
 
 In the frame of the central direction C (z axis), with N and V at azimuth 0,
 
@@ -117,10 +117,10 @@ class LobeAnalysis:
         return self._fit(P)[0][: F + 1]
 
     def _fit(self, P: int) -> tuple[FloatArray, FloatArray]:
-        """The coefficients that fit every g_lq over theta_o by least squares, and the energy they keep."""
+        """Return the coefficients that fit every g_lq over theta_o by least squares, and their energy."""
         if P not in self._fits:
             rho = np.zeros((self.L + 1, P + 1, P + 1, self.channels))
-            kept = np.zeros((self.L + 1, self.channels))
+            captured = np.zeros((self.L + 1, self.channels))
             for q in range(min(P, self.Q) + 1):
                 # [RH02] appendix C, step 1, the integral over theta_o with the factor 2 pi: eq. 13
                 triangle, projected = self._factored(q, max(P, self.P))
@@ -130,15 +130,15 @@ class LobeAnalysis:
                 along = U.T[used] @ projected[:n]
                 fit = Vt[used].T @ (along / singular[used, None])
                 energy = (along**2).sum(axis=0).reshape(self.channels, self.L + 1)
-                kept += (1 if q == 0 else 2) * energy.T
+                captured += (1 if q == 0 else 2) * energy.T
                 rho[:, q:, q] = fit.reshape(n, self.channels, self.L + 1).transpose(2, 0, 1)
-            self._fits[P] = rho, kept
+            self._fits[P] = rho, captured
         return self._fits[P]
 
     def _factored(self, q: int, P: int) -> tuple[FloatArray, FloatArray]:
-        """The triangle R and Q^T g of the QR factors of the f_pq(theta_o), q <= p <= P.
+        """Return the triangle R and Q^T g of the QR factors of the f_pq(theta_o), q <= p <= P.
 
-        (P-q+1, P-q+1) and (P-q+1, channels (L+1)); those of every lower P are in their corner.
+        Their shapes are (P-q+1, P-q+1) and (P-q+1, channels (L+1)); those of every lower P are their corners.
         """
         if (q, P) not in self._factors:
             root = np.sqrt(self.weight)
@@ -218,7 +218,7 @@ _BY_VIEW = ("theta_i", "weight_theta", "arc")
 
 
 def _narrowest(lobe: ZonalLobe, theta_o: FloatArray) -> float:
-    """The smallest width of a lobe's profiles, at about eight of the views."""
+    """Return the smallest width of a lobe's profiles at about eight of the views, radians."""
 
     def width_at(angle: float) -> float:
         return _width(lambda theta: lobe.profile(theta, np.full_like(theta, angle)))
@@ -228,13 +228,15 @@ def _narrowest(lobe: ZonalLobe, theta_o: FloatArray) -> float:
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     """Project over both angles of the light [RH02 appendix C], with more nodes if two sets do not agree."""
-    # With either set the lobe as expanded about R or its own center is exact to 1e-5 (relative RMS); low
-    # orders need fewer azimuths, unless the lobe lies far from the center.
+    # With either number of azimuths a lobe about R or its own center is exact to 1e-5 (relative RMS); low
+    # orders need fewer, unless the lobe lies far from the center.
     low = P <= 3 and L <= 32 and lobe.center != "normal"
-    # Beyond P, for the energy of all azimuths, which order selection needs
+
+    # Azimuthal orders go beyond P, for the energy of all azimuths, which order selection needs.
     Q = min(L, max(P, 8 if low else 24))
-    # g holds more orders than P. The table of the lobe center is smooth in pieces only: from 54 views on,
-    # more of them change nothing above 1e-5.
+
+    # Views for more orders than P, which g holds. The table of the lobe center is smooth in pieces only: from
+    # 54 views on, more of them change nothing above 1e-5.
     views = max(54, 12 + (6 * P + L) // 3)
     analysis = _projected(lobe, L, P, Q, views, K=20 if low else 32, least=8)
     if analysis.quadrature_error > _ROUGH:
@@ -243,10 +245,10 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
 
 
 _LEAST_DEGREE = 30
-"""Nodes resolve at least this degree: what a sharp lobe has beyond L must not be taken for what is below."""
+"""Smallest degree that nodes resolve: what a sharp lobe has beyond L must not be taken for what is below."""
 
 _ROUGH = 1e-6
-"""The quadrature error above which a lobe is taken to have jumps, and gets more nodes."""
+"""Quadrature error, a fraction of the energy, above which a lobe has jumps and gets more nodes."""
 
 
 def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, least: int) -> LobeAnalysis:
@@ -279,7 +281,7 @@ def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, 
 
 
 def _width(profile: Callable[[FloatArray], FloatArray]) -> float:
-    """The angle from the center within which half the energy of a profile of theta_i lies, radians."""
+    """Return the angle from the center within which half the energy of a profile of theta_i lies, radians."""
     nodes = whole_quadrature(1e-3, 0)
     energy = (columns(profile(nodes.theta_i[0])) ** 2).sum(axis=-1) * nodes.weight_theta[0]
     inside = np.cumsum(energy)
@@ -289,7 +291,7 @@ def _width(profile: Callable[[FloatArray], FloatArray]) -> float:
 
 
 def _project(table: FloatArray, nodes: Quadrature, L: int, Q: int) -> tuple[FloatArray, FloatArray]:
-    """The projections g (channels, Q+1, L+1, views) of a table, and its energy (channels, views)."""
+    """Return the projections g (channels, Q+1, L+1, views) of a table, and its energy (channels, views)."""
     return _core.project(
         rho_hat=np.ascontiguousarray(table, dtype=np.float64),
         theta_i=nodes.theta_i,
@@ -303,5 +305,5 @@ def _project(table: FloatArray, nodes: Quadrature, L: int, Q: int) -> tuple[Floa
 
 
 def _multiplicity(Q: int) -> FloatArray:
-    """U_q for q = 0..Q: 1 for q = 0, else 2 [R02 eq. 5.18]."""
+    """Return U_q for q = 0..Q: 1 for q = 0, else 2 [R02 eq. 5.18]."""
     return np.where(np.arange(Q + 1) == 0, 1.0, 2.0)

@@ -1,4 +1,4 @@
-"""What a material is expanded in, and its coefficients: the orders of each lobe, found or given.
+"""The expansion of a material: the orders of each lobe, chosen or given, and the coefficients.
 
 A lobe that its orders do not hold may be split (`shrm.frequency.split_orders`): then they are those of its
 smooth part, and its core is left to integration.
@@ -30,7 +30,7 @@ from shrm.frequency.split_orders import split_material
 from shrm.lobes.reflection import Layout
 
 LARGEST_BYTES = 4 << 30
-"""What the maps, or their coefficients, of one lobe may take."""
+"""Most bytes that the maps of one lobe, or their coefficients, may take."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,11 +42,11 @@ class Expansion:
     material : BRDF
         The material itself.
     smooth : BRDF
-        What is expanded: the material, or one with smooth parts in place of some of its lobes.
+        The material that is expanded: the same, or one with smooth parts in place of some of its lobes.
     cores : tuple of Lobe or None, or None
-        What is missing of each lobe; None if no residual was to be split off.
+        The core that is missing of each lobe, if one is; None if no residual was to be split off.
     orders : tuple of (F, P)
-        Of each lobe.
+        The orders of each lobe.
     analysed_to : (L, P)
         The degree and the order that the smooth lobes are analysed to.
     criterion : {"light", "brdf", "minimum", "bound"}
@@ -73,7 +73,7 @@ class Expansion:
 
     @property
     def has_cores(self) -> bool:
-        """Whether anything was split off."""
+        """True if the core of a lobe was split off."""
         return self.cores is not None and any(core is not None for core in self.cores)
 
     def windows(self) -> list[FloatArray]:
@@ -154,7 +154,7 @@ def _expansion(
     orders: tuple[tuple[int, int], ...],
     analysed_to: tuple[int, int],
 ) -> Expansion:
-    """The expansion of a request's material, with the attributes that the request itself has."""
+    """Return the expansion of a request's material, with the attributes that the request itself has."""
     return Expansion(
         request.brdf, smooth, cores, orders, analysed_to, request.criterion, request.window, request.F_max
     )
@@ -167,14 +167,14 @@ def require_memory(expansion: Expansion, size: int | None, layout: Layout) -> No
 
 
 def _require_memory(F: int, P: int, zonal: bool, size: int | None, layout: Layout) -> None:
-    """Raise ValueError if one lobe's would."""
+    """Raise ValueError if the maps or coefficients of one lobe would take more."""
     maps = P + 1 if zonal else (P + 1) ** 2
     coefficients = 8 * 3 * maps * (F + 1 if zonal else F + P + 1) ** 2
     texels = 0 if size is None else size * size * (2 if layout == "latlong" else 6)
     if max(coefficients, 4 * 3 * maps * texels) > LARGEST_BYTES:
         largest = max(coefficients, 4 * 3 * maps * texels) / 2**30
-        at = "" if size is None else f" and size {size}"
+        and_size = "" if size is None else f" and size {size}"
         raise ValueError(
-            f"orders ({F}, {P}){at} take {largest:.1f} GiB, over the limit of {LARGEST_BYTES >> 30} GiB: "
-            "lower them"
+            f"orders ({F}, {P}){and_size} take {largest:.1f} GiB, over the limit of "
+            f"{LARGEST_BYTES >> 30} GiB: lower them"
         )

@@ -40,9 +40,10 @@ from shrm.integrate.residual import Residual
 from shrm.lobes.reflection import Layout, map_names
 
 VERSION, WITH_RESIDUAL = 1, 3
-"""What is written, without a residual and with one."""
+"""Versions of the format that are written, without a residual and with one."""
+
 READABLE = (1, 2, 3)
-"""What is read: 2 is 3 with other names for the tables of a residual."""
+"""Versions that are read: 2 is 3 with other names for the tables of a residual."""
 
 _CONVENTIONS = {
     "shrm:axes": "right-handed, z up; lat-long: row 0 at +z, column centers at phi = pi - 2 pi (j + 1/2) / W "
@@ -58,7 +59,7 @@ _CONVENTIONS = {
 
 @dataclass(frozen=True, eq=False)
 class SavedMap:
-    """What a file holds: plain data, from which `shrm.ReflectionMap` is built.
+    """The content of a file: plain data, from which `shrm.ReflectionMap` is built.
 
     Attributes
     ----------
@@ -129,7 +130,7 @@ def read(path: PathLike) -> SavedMap:
 
 
 def _conventions_and_facts(saved: SavedMap) -> dict[str, str | int | float]:
-    """The metadata of the whole map."""
+    """Return the metadata of the whole map."""
     return {
         **_CONVENTIONS,
         "shrm:version": VERSION if saved.residual is None else WITH_RESIDUAL,
@@ -143,7 +144,7 @@ def _conventions_and_facts(saved: SavedMap) -> dict[str, str | int | float]:
 
 
 def _pictures(k: int, part: CoefficientMaps, facts: Mapping[str, Any]) -> list[image_io.Part]:
-    """The parts of a file for lobe k; the first has `facts` in its metadata."""
+    """Return the parts of a file for lobe k; the first has `facts` in its metadata."""
     about = {
         **facts,
         "shrm:center": part.center,
@@ -153,7 +154,8 @@ def _pictures(k: int, part: CoefficientMaps, facts: Mapping[str, Any]) -> list[i
         "shrm:F": part.F,
         "shrm:P": part.P,
     }
-    # a cube's faces one below the other, then the maps beside each other as channels
+
+    # A cube's faces one below the other, then the maps beside each other as channels
     maps = part.maps
     pictures = maps.reshape(len(maps), -1, maps.shape[-2], 3)
     flat = pictures.transpose(1, 2, 0, 3).reshape(*pictures.shape[1:3], -1)
@@ -192,7 +194,8 @@ def _saved_map(images: Mapping[str, image_io.Part], about: Mapping[str, Any]) ->
 
 
 def _part(images: Mapping[str, image_io.Part], k: int) -> CoefficientMaps:
-    """The maps of lobe k, with their coefficients if the file has them."""
+    """Return the maps of lobe k, with their coefficients if the file has them."""
+    # What the metadata says, and that it fits the picture
     picture = images[f"{k}.maps"]
     about = picture.metadata
     zonal, layout, center = bool(about["shrm:zonal"]), str(about["shrm:layout"]), str(about["shrm:center"])
@@ -205,14 +208,14 @@ def _part(images: Mapping[str, image_io.Part], k: int) -> CoefficientMaps:
     if not np.isfinite(picture.pixels).all():
         raise ValueError("maps that are not finite")
 
-    # where the maps' centers are
+    # The table of the maps' centers
     gamma = np.zeros(0)
     if center != "tangent":
         gamma = _pixels(images, f"{k}.gamma", (1, None, 1)).ravel()
         if len(gamma) < 2:
             raise ValueError("a table of gamma with one entry")
 
-    # the maps, row by row as they lie in memory
+    # The maps, row by row as they lie in memory
     pixels = picture.pixels.reshape(rows, columns, channels // 3, 3)
     maps = CoefficientMaps(
         center=cast(Center, center),
@@ -223,6 +226,8 @@ def _part(images: Mapping[str, image_io.Part], k: int) -> CoefficientMaps:
     )
     if layout == "latlong" and (rows % 2 or columns != 2 * rows):
         raise ValueError(f"lat-long maps of {columns} x {rows} texels")
+
+    # The coefficients; maps that were fitted to pictures have none, and F = -1.
     if F < 0:
         if layout == "cube":
             raise ValueError("cube maps without coefficients")
@@ -248,13 +253,14 @@ def _bordered(part: Part) -> Part:
 def _image(
     name: str, pixels: npt.NDArray[Any], channels: str | list[str], about: Mapping[str, Any] | None = None
 ) -> image_io.Part:
+    """Return a part of a file, its pixels as float32."""
     return image_io.Part(
         name, np.ascontiguousarray(pixels, dtype=np.float32), list(channels), dict(about or {})
     )
 
 
 def _pixels(images: Mapping[str, image_io.Part], name: str, shape: tuple[int | None, ...]) -> FloatArray:
-    """Finite pixels of a shape, in which None stands for any length; else ValueError, or KeyError."""
+    """Return finite pixels of a shape, in which None stands for any length; else ValueError, or KeyError."""
     pixels = image_io.table_values(images, name)
     if any(length not in (None, actual) for length, actual in zip(shape, pixels.shape, strict=True)):
         raise ValueError(f"{name} of shape {pixels.shape}")
@@ -264,7 +270,7 @@ def _pixels(images: Mapping[str, image_io.Part], name: str, shape: tuple[int | N
 
 
 def _number(about: Mapping[str, Any], name: str) -> int:
-    """A degree, an order or a number of lobes: -1 to 1000, else ValueError."""
+    """Return a degree, an order or a number of lobes: -1 to 1000, else ValueError."""
     value = int(about[name])
     if not -1 <= value <= 1000:
         raise ValueError(f"{name} = {value}")
@@ -272,13 +278,13 @@ def _number(about: Mapping[str, Any], name: str) -> int:
 
 
 def _map_channels(part: CoefficientMaps) -> list[str]:
-    """The names of the channels of `k.maps`."""
+    """Return the names of the channels of `k.maps`."""
     pairs = [(p, q) for p in range(part.P + 1) for q in ([0] if part.zonal else range(-p, p + 1))]
     return [f"B_{p}_{q}.{c}" for p, q in pairs for c in "RGB"]
 
 
 def _triangle(light: FloatArray) -> FloatArray:
-    """Coefficients ((F+1)^2, 3) as a picture (F+1, 2F+1, 3): L_lm at [l, m + F], zero elsewhere."""
+    """Return coefficients ((F+1)^2, 3) as a picture (F+1, 2F+1, 3): L_lm at [l, m + F], zero elsewhere."""
     l, m = _degrees(len(light))
     F = int(l[-1])
     picture = np.zeros((F + 1, 2 * F + 1, 3))
@@ -287,13 +293,13 @@ def _triangle(light: FloatArray) -> FloatArray:
 
 
 def _from_triangle(picture: FloatArray) -> FloatArray:
-    """The inverse of `_triangle`."""
+    """Return the coefficients in a picture that `_triangle` returned."""
     l, m = _degrees(len(picture) ** 2)
     return np.ascontiguousarray(picture[l, m + len(picture) - 1])
 
 
 def _degrees(count: int) -> tuple[IntArray, IntArray]:
-    """The degree l and order m of each of the first coefficients."""
+    """Return the degree l and order m of each of the first coefficients."""
     index = np.arange(count)
     l = np.sqrt(index).astype(np.int64)
     return l, index - l * (l + 1)

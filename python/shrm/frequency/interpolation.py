@@ -1,4 +1,4 @@
-"""The error of cubic look-ups between the texels of a map: how far apart they may be."""
+"""The error of cubic look-ups between the texels of a map, which tells how far apart they may be."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def measured_interpolation_error(parts: Sequence[Part], frames: int = 128) -> fl
     parts : sequence of Part
         The sampled maps of all lobes.
     frames : int
-        How many central directions, each with one view.
+        Number of central directions, each with one view.
     """
     C, across, share = _spiral_frames(frames)
     lost = total = 0.0
@@ -88,7 +88,7 @@ def measured_interpolation_error(parts: Sequence[Part], frames: int = 128) -> fl
 
 
 def _spiral_frames(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Central directions on the golden spiral, a direction across each, and numbers in [0, 1) for views.
+    """Return central directions on the golden spiral, directions across, and numbers in [0, 1) for views.
 
     The numbers step by seven times the golden ratio, and so do not follow the azimuths, which step by one.
     """

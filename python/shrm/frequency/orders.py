@@ -1,4 +1,4 @@
-"""How many orders are enough: F and P for a tolerance, and the error of given orders.
+"""Choosing orders: the smallest F and P for a tolerance, and the error of given orders.
 
 Four criteria [RH02 section 5.1]:
 
@@ -35,11 +35,14 @@ Criterion = Literal["light", "brdf", "minimum", "bound"]
 
 F_MAX = 120
 """Cap on the degree of the light: beyond it, integration in a pyramid of the light is cheaper."""
+
 P_MAX = 8
 """Cap on the order of the view: 81 maps for each channel."""
+
 _TRIED_FIRST = (30, 60)
 """Degrees that are tried before F_max: [RH02] appendix C, 'we repeat the algorithm with larger values'."""
-FORGIVEN = 1.02
+
+NEGLIGIBLE_GAIN = 1.02
 """Factor on the squared error that P leaves: degrees of the light that lower it by less are not kept."""
 
 
@@ -49,22 +52,22 @@ class ToleranceWarning(UserWarning):
 
 @dataclass(frozen=True)
 class LightPower:
-    """What order selection needs to know of the light.
+    """The spectrum of a light: its energy by degree.
 
     Attributes
     ----------
     degrees : (L+1, channels) float64
         sum_m |L_lm|^2.
-    rest : (channels,) float64
+    above : (channels,) float64
         Energy of all higher degrees.
     """
 
     degrees: FloatArray
-    rest: FloatArray
+    above: FloatArray
 
     @classmethod
     def of(cls, env: Environment, L: int) -> LightPower:
-        """Measure an environment to degree L; the rest by Parseval's theorem [RH02 section 5.1]."""
+        """Measure an environment to degree L, what lies above by Parseval's theorem [RH02 section 5.1]."""
         power = degree_power(env.coefficients(L))
         H, W, _ = env.pixels.shape
         rows = np.einsum("hwc,hwc->hc", env.pixels, env.pixels, dtype=np.float64)
@@ -80,7 +83,7 @@ class LightPower:
 
     def to(self, L: int) -> LightPower:
         """Return the same light with only the degrees to L told apart."""
-        return LightPower(self.degrees[: L + 1], self.rest + self.degrees[L + 1 :].sum(axis=0))
+        return LightPower(self.degrees[: L + 1], self.above + self.degrees[L + 1 :].sum(axis=0))
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ class LobeOrders:
     F, P : int
         The largest degree of the light and order of the view.
     squared_error, total : float
-        What they leave of the lobe's energy, and all of it, in the criterion's measure.
+        The energy that they leave out of the lobe's, and all of that, in the criterion's measure.
     """
 
     F: int
@@ -231,7 +234,7 @@ def error_of(
     orders : sequence of (F, P)
         One pair for each lobe.
     power : LightPower
-        The light; its degrees are the ones told apart.
+        The spectrum of the light.
     criterion : {"light", "brdf", "minimum", "bound"}
         The measure of the error.
     degree_weights : sequence of (F+1,) float64, optional
@@ -289,17 +292,18 @@ class Measure:
     """Squared errors of one lobe under one light, in one criterion's measure."""
 
     def __init__(self, lobe: LobeAnalysis, power: LightPower, criterion: Criterion) -> None:
+        # The lobe's energy by degree; that of degrees and azimuths that are not analysed, by Parseval
         self.lobe = lobe
         self.criterion = criterion
         L = len(power.degrees) - 1
         self.degree_energy = lobe.degree_energy()[: L + 1]
-        # Degrees and azimuths not analysed, by Parseval.
         self.unresolved = np.maximum(lobe.energy - self.degree_energy.sum(axis=0), 0.0)
+
+        # The light's weights: Lambda_l^2 |L_l|^2 / 4 pi; the brdf criterion weighs all degrees alike.
         self.power = power
-        # Lambda_l^2 |L_l|^2 / 4 pi; the brdf criterion weighs all degrees alike
         flat = criterion == "brdf"
         self.light = np.ones((L + 1, 1)) if flat else power.degrees / (2 * np.arange(L + 1)[:, None] + 1)
-        # They meet light as strong as the strongest of the upper half of the degrees.
+        # What is not analysed meets light as strong as the strongest of the upper half of the degrees.
         self.tail = self.light[L // 2 :].max(axis=0)
         self.total = float((self.light * self.degree_energy).sum() + (self.tail * self.unresolved).sum())
 
@@ -309,33 +313,33 @@ class Measure:
             return min(self._light_left_out(F) * self.total, self._brdf_left_out(F, P) * self.total)
         if self.criterion == "bound":
             return self._bound(F, P)
-        kept = self.lobe.captured(P)[: F + 1]
-        if window is not None:  # a degree kept with weight w errs by (1 - w)^2
-            kept = kept * (1 - (1 - window[: F + 1, None]) ** 2)
-        left_out = max(self.total - float((self.light[: F + 1] * kept).sum()), 0.0)
+        captured = self.lobe.captured(P)[: F + 1]
+        if window is not None:  # a degree with weight w errs by (1 - w)^2
+            captured = captured * (1 - (1 - window[: F + 1, None]) ** 2)
+        left_out = max(self.total - float((self.light[: F + 1] * captured).sum()), 0.0)
         return left_out + self.lobe.quadrature_error * self.total
 
     def _light_left_out(self, F: int) -> float:
-        """eps_L, the fraction of the light's energy above degree F [RH02 section 5.1]."""
-        above = self.power.degrees[F + 1 :].sum() + self.power.rest.sum()
-        return float(above / max(self.power.degrees.sum() + self.power.rest.sum(), 1e-300))
+        """Return eps_L, the fraction of the light's energy above degree F [RH02 section 5.1]."""
+        above = self.power.degrees[F + 1 :].sum() + self.power.above.sum()
+        return float(above / max(self.power.degrees.sum() + self.power.above.sum(), 1e-300))
 
     def _brdf_left_out(self, F: int, P: int) -> float:
-        """eps_rho, the fraction of the BRDF's energy outside (F, P) [RH02 section 5.1]."""
-        kept = self.lobe.captured(P)[: F + 1].sum()
-        return max(1 - float(kept / max(self.lobe.energy.sum(), 1e-300)), 0.0)
+        """Return eps_rho, the fraction of the BRDF's energy outside (F, P) [RH02 section 5.1]."""
+        captured = self.lobe.captured(P)[: F + 1].sum()
+        return max(1 - float(captured / max(self.lobe.energy.sum(), 1e-300)), 0.0)
 
     def _bound(self, F: int, P: int) -> float:
-        """[RH02] appendix B, corrected; Lambda_l^2 = 4 pi / (2l+1), 4 pi left out everywhere."""
+        """Return the bound of [RH02] appendix B, corrected; Lambda_l^2 = 4 pi / (2l+1), 4 pi left out."""
         captured = self.lobe.captured(P)
-        light_above = self.power.degrees[F + 1 :].sum(axis=0) + self.power.rest
+        light_above = self.power.degrees[F + 1 :].sum(axis=0) + self.power.above
         brdf_above = self.degree_energy[F + 1 :].sum(axis=0) + self.unresolved
         in_degrees = np.maximum(self.degree_energy[: F + 1] - captured[: F + 1], 0.0)
         residual = float(
             (light_above * brdf_above).sum() / (2 * F + 3) + (self.light[: F + 1] * in_degrees).sum()
         )
-        kept = float((self.light[: F + 1] * captured[: F + 1]).sum())
-        return self.total * residual / max(kept + residual, 1e-300)
+        reflected = float((self.light[: F + 1] * captured[: F + 1]).sum())
+        return self.total * residual / max(reflected + residual, 1e-300)
 
 
 def _choose_at(
@@ -345,10 +349,13 @@ def _choose_at(
 
     Also tells whether no larger degree can help: what degrees lose in p > P_max stays lost.
     """
+    # The error allowed to each lobe
     measures = [Measure(lobe, power, criterion) for lobe in lobes]
     total = sum(measure.total for measure in measures)
     fraction_allowed = tolerance**2 if criterion == "light" else tolerance
     allowed = fraction_allowed * total / len(lobes)
+
+    # P, then F, of each
     chosen, limited_by, lost_beyond_P_max = [], "", 0.0
     for lobe, measure in zip(lobes, measures, strict=True):
         L = lobe.L
@@ -361,11 +368,12 @@ def _choose_at(
             lost = float((measure.light * beyond_P).sum()) if criterion != "minimum" else 0.0
             lost_beyond_P_max += lost
             limited_by = "P" if largest_P and lost > measure.squared_error(L, P) / 2 else "F"
-        target = max(allowed, FORGIVEN * measure.squared_error(L, P))
+        target = max(allowed, NEGLIGIBLE_GAIN * measure.squared_error(L, P))
         F = next(F for F in range(L + 1) if measure.squared_error(F, P) <= target)
         chosen.append(LobeOrders(F, P, measure.squared_error(F, P), measure.total))
-    combined = _combined(chosen, limited_by, criterion)
+
     # Lobes that miss their share may be made up for by the others.
+    combined = _combined(chosen, limited_by, criterion)
     if limited_by and combined.error <= tolerance:
         return _combined(chosen, "", criterion), False
     return combined, criterion in ("light", "brdf") and lost_beyond_P_max > fraction_allowed * total

@@ -37,7 +37,8 @@ class CoefficientMaps(Rings):
     center, gamma, layout, rings
         As in `shrm.frequency.rings.Rings`.
     zonal : bool
-        Whether the maps are B_p0, to go with Y_p0(angle of C and V), else B~_pq, to go with Y_pq(V).
+        True if the maps are B_p0, to be multiplied by Y_p0(angle between C and V); False if they are B~_pq,
+        to be multiplied by Y_pq(V).
     """
 
     zonal: bool
@@ -127,7 +128,7 @@ class Part(CoefficientMaps):
         return np.asarray(np.einsum("nz,nzc->nc", self._view_basis(C, views), coefficients))
 
     def _view_basis(self, C: FloatArray, views: FloatArray) -> FloatArray:
-        """Y_pq(V), or Y_p0 at the angle between C and V if zonal; (n, maps)."""
+        """Return Y_pq(V), or Y_p0 at the angle between C and V if zonal; (n, maps)."""
         if not self.zonal:
             return _core.evaluate(coefficients=np.eye((self.P + 1) ** 2), directions=views)
         return zonal_harmonics(self.P, np.einsum("nc,nc->n", C, views))

@@ -1,7 +1,7 @@
 """The error of a reflection map, predicted from the spectra of light, material and maps.
 
-Three errors, relative to the RMS of all that is reflected, add up by root mean square: what the orders leave
-out, what look-ups between texels are off by, and what the integrated cores are.
+Three errors, relative to the RMS of all that is reflected, add up by root mean square: that of the orders, of
+look-ups between texels, and of the integrated cores.
 """
 
 from __future__ import annotations
@@ -20,19 +20,22 @@ from shrm.frequency.part import Part
 from shrm.frequency.split_orders import split_energy
 
 _LEAST_SMOOTH_SHARE = 1e-3
-"""Floor of the smooth parts' share: below it texels may be as coarse as they like."""
+"""Floor of the share of what is reflected that the smooth parts have: they are divided by it, and with less
+of it texels may be as coarse as they like."""
 
 
 class _Numbers(NamedTuple):
+    """The numbers of a `Truncation`, computed together."""
+
     error: float
     smooth_share: float
     energy: float
 
 
 class Truncation:
-    """What the orders of an expansion leave out under a light.
+    """The error that the orders of an expansion leave under a light.
 
-    Measured when it is first asked for; light and material are held until then, and no longer.
+    It is measured when it is first asked for; light and material are held until then, and no longer.
     """
 
     def __init__(self, env: Environment, expansion: Expansion) -> None:
@@ -76,13 +79,13 @@ class Prediction:
     Parameters
     ----------
     truncation : Truncation
-        What the orders leave out.
+        The error that the orders leave.
     parts : sequence of Part
         The maps.
     cores : float
         The relative RMS error of the cores that are integrated.
     look_up : bool
-        Whether the maps are also looked up at a sample of frames, which tells more where the fit over the
+        True if the maps are also looked up at a sample of frames, which tells more where the fit over the
         views is ill-conditioned, and takes longer than their spectra.
     """
 
@@ -96,12 +99,12 @@ class Prediction:
 
     @property
     def truncation(self) -> float:
-        """What the orders leave out, in the measure of the criterion."""
+        """The error that the orders leave, in the measure of the criterion."""
         return self._truncation.error
 
     @cached_property
     def interpolation(self) -> float:
-        """What look-ups between texels are off by; the other criteria than `light` do not count it."""
+        """The error of look-ups between texels; criteria other than `light` do not count it."""
         if self._truncation.criterion != "light":
             return 0.0
         first = self._parts[0]
@@ -112,7 +115,7 @@ class Prediction:
 
     @property
     def error(self) -> float:
-        """All of them together."""
+        """The predicted error: the root sum of squares of the three."""
         return float(np.sqrt(self.truncation**2 + self.interpolation**2 + self.cores**2))
 
     def __repr__(self) -> str:

@@ -26,12 +26,15 @@ from shrm.lobes.reflection import map_names
 
 _SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)
 """Sizes that are chosen from: powers of two, and one and a half times these."""
+
 _SIZES_TRIED = 4
-"""How many sizes are tried: the first suffices but where the fit over the views is ill-conditioned."""
+"""Most sizes that are tried: the first suffices except where the fit over the views is ill-conditioned."""
+
 _BETWEEN_TEXELS = 0.1
-"""Interpolation may add this fraction of the truncation error..."""
+"""Fraction of the truncation error that interpolation may add, in quadrature: half a percent of the whole."""
+
 _LEAST_ERROR = 1e-3
-"""...or of this one, if it is larger."""
+"""Truncation error that takes the place of smaller ones there: finer maps would not be seen."""
 
 
 @takes(Request)
@@ -111,12 +114,12 @@ def reflection_map(request: Request, expansion: Expansion) -> ReflectionMap:
 
 
 def _sampled(request: Request, expansion: Expansion, truncation: Truncation) -> tuple[Part, ...]:
-    """The maps of the lobes, of the size asked for, or of one whose texels lie close enough."""
+    """Return the maps of the lobes, of the size asked for, or of one whose texels lie close enough."""
     parts, layout = expansion.parts(request.env), request.layout
     if request.size is not None:
         return tuple(part.resized(request.size, layout) for part in parts)
 
-    # What interpolation may be off by, relative to what is expanded, and sizes that promise it
+    # The error allowed to interpolation, relative to what is expanded, and sizes whose spectra promise it
     allowed = _BETWEEN_TEXELS * max(truncation.error, _LEAST_ERROR) / truncation.smooth_share
     least = DEFAULT_SIZE[layout] if expansion.has_cores else 0
     spectra = [map_spectrum(part) for part in parts]
@@ -134,7 +137,8 @@ def _sampled(request: Request, expansion: Expansion, truncation: Truncation) -> 
 def _residual(
     request: Request, expansion: Expansion, truncation: Truncation, parts: Sequence[Part]
 ) -> tuple[Residual | None, float]:
-    """The residual that an expansion asks for, and its error relative to all that is reflected."""
+    """Return the residual that an expansion asks for, and its error relative to all that is reflected."""
+    # The lobes that have a core
     if expansion.cores is None:
         return None, 0.0
     names = map_names([part.center for part in parts])
@@ -143,11 +147,14 @@ def _residual(
         for name, core, part in zip(names, expansion.cores, parts, strict=True)
         if core is not None
     ]
+
+    # Their integrators, within a share of the tolerance
     residual, error = None, 0.0
     if cores:
         allowed = (CORE_SHARE * request.tolerance) ** 2 * truncation.energy
         residual, squared = residual_for(request.env.pixels, cores, parts[0].layout, parts[0].size, allowed)
         error = float(np.sqrt(squared / truncation.energy)) if truncation.energy > 0 else 0.0
+
     reached = float(np.hypot(truncation.error, error))
     if reached > request.tolerance:
         warnings.warn(

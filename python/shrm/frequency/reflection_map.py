@@ -23,7 +23,7 @@ from shrm.validation import one_of, require_array, unit_vectors
 
 @dataclass(frozen=True, eq=False)
 class ReflectionMap(Reflection):
-    """A prefiltered environment: what `shrm.prefilter` returns.
+    """A prefiltered environment: the result of `shrm.prefilter`.
 
     Attributes
     ----------
@@ -36,12 +36,12 @@ class ReflectionMap(Reflection):
     window : str or None
         The window on the degrees.
     clamp : bool
-        Whether negative radiance is set to zero when read, lobe by lobe.
+        True if negative radiance is set to zero when read, lobe by lobe.
     prediction : float or Prediction
         The error, or what predicts it when it is first asked for: that takes longer than the maps.
     residual : Residual or None
-        What the orders cannot hold of sharp lobes: `radiance` and `maps_at_view` add it. `Residual.radiance`
-        and `Residual.maps_at_view` are it alone.
+        The cores of sharp lobes, which the orders cannot hold: `radiance` and `maps_at_view` add them.
+        `Residual.radiance` and `Residual.maps_at_view` return them alone.
     """
 
     parts: tuple[CoefficientMaps, ...]
@@ -117,6 +117,7 @@ class ReflectionMap(Reflection):
             If an argument has another shape, or is not of unit vectors; if a lobe about the tangent is given
             no tangents.
         """
+        # Directions; normals stand in for tangents that no lobe needs.
         one_of("interpolation", interpolation, ("cubic", "bilinear"))
         N = unit_vectors("normals", normals)
         V = unit_vectors("views", views, 1 if np.ndim(views) == 1 else len(N))
@@ -125,6 +126,8 @@ class ReflectionMap(Reflection):
             if tangents is None:
                 raise ValueError(f"{self.brdf} has a lobe about the tangent: radiance needs tangents")
             T = unit_vectors("tangents", tangents, len(N))
+
+        # The sum over the lobes, each set to zero where it is negative if it is to be, and the residual
         radiance = np.zeros(N.shape, dtype=np.float32)
         for part in self.parts:
             of_lobe = np.zeros_like(radiance) if self.clamp else radiance
@@ -204,6 +207,7 @@ class ReflectionMap(Reflection):
         return out
 
     def _sum_for_view(self, part: CoefficientMaps, view: FloatArray, pixels: Float32Array) -> None:
+        """Sum the maps of a part for a view (1, 3) into pixels, set to zero where negative if it is to be."""
         part.sum_for_view(view, pixels)
         if self.clamp:
             np.maximum(pixels, 0, out=pixels)
@@ -254,9 +258,9 @@ class ReflectionMap(Reflection):
         return f"<ReflectionMap {self.brdf}: F={self.F} P={self.P} {self.layout} {self.parts[0].size}>"
 
 
-def require_no_residual(rm: ReflectionMap, what: str) -> None:
-    """Raise ValueError if a map has a residual, which `what` would lose."""
+def require_no_residual(rm: ReflectionMap, recipient: str) -> None:
+    """Raise ValueError if a map has a residual, which the recipient of its maps would lose."""
     if rm.residual is not None:
         raise ValueError(
-            f"{rm.brdf} has a residual, which {what} cannot hold: prefilter without residual='auto'"
+            f"{rm.brdf} has a residual, which {recipient} cannot hold: prefilter without residual='auto'"
         )

@@ -73,7 +73,8 @@ class Prefilter:
         self.map = reflection_map(request, self._expansion)
         assert isinstance(self.map.prediction, Prediction)
         self._cores_error = self.map.prediction.cores
-        # The material and where its lobes are put, the light as it was given, and how it is turned.
+
+        # The material and where its lobes are put, the light as it was given, and its rotation
         self._material = request.brdf
         self._center = request.center
         self._env = request.env
@@ -120,7 +121,7 @@ class Prefilter:
             If the light has another size, R is no rotation, the material has other lobes or there is a
             residual, or half floats do not reach the values of the new maps. The map stays as it was.
         """
-        # what has changed, checked
+        # What has changed, checked
         if env is not None:
             require_environment(env)
             require_shape("env", env.pixels, self._env.pixels.shape)
@@ -129,7 +130,7 @@ class Prefilter:
             R = checked_rotation("rotation", rotation).copy()
         material = self._material if brdf is None else self._of_the_same_kind(brdf)
 
-        # the light's coefficients
+        # The light's coefficients
         light = self._light
         if env is not None:
             light = self._analysis.analysis(env.pixels, out=self._next_light)
@@ -138,7 +139,7 @@ class Prefilter:
             self._rotate.run(light, R, self._rotated)
             rotated = self._rotated
 
-        # those of the lobes, and the maps
+        # Those of the lobes, and the maps
         expansion = self._expansion
         tables = [(plan.part.gamma, plan.part.rho) for plan in self._plans]
         if brdf is not None:
@@ -193,19 +194,19 @@ class Prefilter:
 
 
 _PREPARED = ("_analysis", "_next_light", "_rotate", "_rotated", "_plans")
-"""What `Prefilter._prepare` makes."""
+"""Attributes that `Prefilter._prepare` makes, and that are not pickled."""
 
 
 class _LobePlan:
     """The maps of one lobe, in memory that is used again.
 
-    An update computes the maps of all lobes, then keeps them; what is refused is refused in between, and
-    maps that are kept as half floats are still the last ones.
+    An update computes the maps of all lobes, which may be refused, and only then keeps them: until then maps
+    of half floats are those of the last update.
 
     Attributes
     ----------
     part : Part
-        What was kept last.
+        The part of the last update.
     """
 
     def __init__(self, part: Part) -> None:

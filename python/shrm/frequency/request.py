@@ -1,4 +1,4 @@
-"""What is asked of prefiltering: one list of arguments, checked once."""
+"""The request for a prefiltered map: one list of arguments, checked once."""
 
 from __future__ import annotations
 
@@ -25,22 +25,23 @@ from shrm.validation import flag, one_of, whole_number
 Window = Literal["hann", "lanczos"]
 
 LARGEST_SIZE = 8192
-"""Rows of a map; those of lat-long maps are even."""
+"""Most rows of a map, or of a cube's face."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Request:
-    """The arguments of `shrm.prefilter`, which says what they are; checked, and in one form each.
+    """The arguments of `shrm.prefilter`, whose documentation describes them; checked, and in one form each.
 
     Attributes
     ----------
     brdf : BRDF
         The material with its lobes about the centers that they are to have.
     orders : (int, int) or None
+        A pair of Python's own numbers.
     layout : {"latlong", "cube"}
-        "strip" is taken for "cube".
+        The grid of the maps; "strip" has become "cube".
     env, tolerance, criterion, size, center, F_max, P_max, window, clamp, half, residual
-        As they were given.
+        The arguments as they were given.
 
     Raises
     ------
@@ -65,6 +66,7 @@ class Request:
     residual: Literal["auto"] | None = None
 
     def __post_init__(self) -> None:
+        # What is only checked
         require_environment(self.env)
         require_brdf(self.brdf)
         one_of("criterion", self.criterion, get_args(Criterion))
@@ -75,6 +77,8 @@ class Request:
             if self.criterion != "light" or self.window is not None:
                 raise ValueError("residual='auto' is for criterion='light' without a window")
         require_orders(self.F_max, self.P_max, names=("F_max", "P_max"))
+
+        # What is kept in one form
         self._set("brdf", centered(self.brdf, self.center))
         self._set("layout", one_of("layout", _one_name(self.layout), get_args(Layout)))
         self._set("size", None if self.size is None else _even_size(self.size))
@@ -99,11 +103,12 @@ def centered(brdf: BRDF, center: Center | None) -> BRDF:
 
 
 def _one_name(layout: str) -> str:
-    """The name that maps on a cube have here: as a picture such a map is a strip of faces."""
+    """Return the name of a layout of maps: one on a cube, whose picture is a strip of faces, is a "cube"."""
     return "cube" if layout == "strip" else layout
 
 
 def _even_size(size: int) -> int:
+    """Return an even number of rows."""
     rows = whole_number("size", size, 2, LARGEST_SIZE)
     if rows % 2:
         raise ValueError(f"size must be even, got {rows}")
@@ -111,6 +116,7 @@ def _even_size(size: int) -> int:
 
 
 def _pair(orders: tuple[int, int]) -> tuple[int, int]:
+    """Return a pair of orders as Python's own numbers."""
     try:
         F, P = orders
     except (TypeError, ValueError):

@@ -29,9 +29,13 @@ from shrm.integrate.saved_arrays import Parts, array_parts, arrays_of_parts, tab
 from shrm.lobes.reflection import Layout
 
 LIGHT = "residual.light"
+"""Name of the part that holds the light, and the metadata of the cores."""
+
 _OLD_NAMES = {"centre": "gamma"}
+"""Names of tables by their names in files of version 2."""
+
 _WORDS = ("map", "center")
-"""Of a core in the metadata: what is no number."""
+"""Metadata of a core that are words, not numbers."""
 
 
 def residual_parts(residual: Residual) -> list[image_io.Part]:
@@ -57,7 +61,7 @@ def read_residual(
     images : {name: part}
         The parts of the file.
     maps : sequence of (name, center, gamma)
-        What the reflection map's parts are called, and where their centers are.
+        The names of the reflection map's parts, and their centers.
     layout, size
         The grid of its maps.
 
@@ -66,7 +70,7 @@ def read_residual(
     KeyError, TypeError, ValueError
         If they are damaged.
     """
-    # the light and its texels
+    # The light and its texels
     light = images[LIGHT]
     about, pixels = light.metadata, np.ascontiguousarray(light.pixels, np.float32)
     H, W, channels = pixels.shape
@@ -81,7 +85,7 @@ def read_residual(
     if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-5:
         raise ValueError("residual.rotation is none")
 
-    # the cores, each of one of the maps
+    # The cores, each of one of the maps
     by_name = {name: (center, gamma) for name, center, gamma in maps}
     count = int(cast(int, about["shrm:cores"]))
     if not 1 <= count <= len(maps):
@@ -93,7 +97,7 @@ def read_residual(
 def _core(
     images: Parts, about: Mapping[str, Any], k: int, maps: Mapping[str, tuple[Center, FloatArray]]
 ) -> tuple[str, Core]:
-    """Core k, with the name of its map."""
+    """Return core k, with the name of its map."""
     name, own_center = (str(about[f"shrm:{k}.{word}"]) for word in _WORDS)
     if own_center not in get_args(Center):
         raise ValueError(f"center {own_center!r}")

@@ -31,7 +31,7 @@ class Rings:
     Attributes
     ----------
     center : {"lobe", "reflection", "normal", "tangent"}
-        What C is.
+        The central direction C.
     gamma : (257,) float64
         The angle between C and N over theta_v in [0, pi/2], radians; empty about the tangent.
     layout : {"latlong", "cube"}
@@ -148,4 +148,4 @@ def require_half_range(rings: Float32Array) -> None:
     """Raise ValueError if maps hold values that half floats do not reach."""
     largest = _core.largest_magnitude(rings)
     if largest > float(np.finfo(np.float16).max):
-        raise ValueError(f"half floats end at 65504, and the maps reach {largest:.3g}: use half=False")
+        raise ValueError(f"maps must be at most 65504 to be half floats, got {largest:.3g}: use half=False")

@@ -1,7 +1,7 @@
-"""How much of a material its orders can hold within an error, and what must be split off.
+"""Splitting a material into what its orders can hold within an error, and cores.
 
 A lobe that its orders do not hold is split (`shrm.lobes.split`) at the largest height whose smooth part they
-do. All errors are relative to the light that the whole material reflects.
+hold. All errors are relative to the light that the whole material reflects.
 """
 
 from __future__ import annotations
@@ -16,35 +16,36 @@ from shrm.brdf.lobe import IsotropicLobe, Lobe, RadialLobe
 from shrm.brdf.material import Material
 from shrm.environment import Environment
 from shrm.frequency.analysis import analyse
-from shrm.frequency.orders import FORGIVEN, LightPower, Measure, analysed
+from shrm.frequency.orders import NEGLIGIBLE_GAIN, LightPower, Measure, analysed
 from shrm.lobes.split import split
 
 SMOOTH_SHARE, CORE_SHARE = 0.8, 0.5
-"""Fractions of the tolerance: what the orders may leave of the smooth parts, and what the cores may be off
-by. Their root sum of squares is .94: the rest is for interpolation."""
+"""Fractions of the tolerance that are allowed to the orders of the smooth parts, and to the cores. Their root
+sum of squares is .94, which leaves room for interpolation."""
 
 DEGREES, WHOLE_DEGREES = 60, 120
-"""Degrees told apart of smooth parts and of the whole, at least: with fewer the light above them, and what a
-lobe has there, would be guessed from degrees where there is more of both."""
+"""Least degrees of the spectra of smooth parts, and of the whole: with fewer, the light above them and what a
+lobe has there would be estimated from degrees where there is more of both."""
 
 _CLOSE = 0.3
-"""Logarithm of the factor by which a squared error may stay below what is allowed."""
+"""Logarithm of the factor by which a squared error may stay below what is allowed: a search ends there."""
+
 _TRIALS = 40
-"""Heights that are tried, at most."""
+"""Most heights that are tried; each takes an analysis."""
 
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """A material in two.
+    """A material in two parts.
 
     Attributes
     ----------
     smooth : BRDF
-        For the orders: a lobe for each of the material's, some of them smooth parts.
+        The part that the orders hold: a lobe for each of the material's, some of them smooth parts.
     cores : tuple of Lobe or None
-        What is missing of each.
+        The core that is missing of each lobe, if one is.
     orders : tuple of (F, P)
-        Of each.
+        The orders of each lobe.
     """
 
     smooth: BRDF
@@ -64,11 +65,11 @@ class SplitEnergy:
     Attributes
     ----------
     left_out : float
-        What the orders leave of the smooth parts.
+        Mean square that the orders leave out of the smooth parts.
     smooth : float
-        The smooth parts; cross terms between lobes, which only add, are left out.
+        That of the smooth parts; cross terms between lobes, which only add, are left out.
     whole : float
-        The whole material, likewise; what its degrees above `WHOLE_DEGREES` reflect is left out too.
+        That of the whole material, likewise; what its degrees above `WHOLE_DEGREES` reflect is left out too.
     """
 
     left_out: float
@@ -102,7 +103,7 @@ def split_material(
     caps : (F, P)
         The largest orders.
     fixed : bool
-        Whether all lobes have these orders, or the smallest that hold what is left of each.
+        True if all lobes have these orders; False if each has the smallest that hold its smooth part.
 
     Returns
     -------
@@ -160,10 +161,10 @@ def whole_energy(brdf: BRDF, env: Environment, P: int) -> float:
 def _height(
     lobe: IsotropicLobe | RadialLobe, orders: tuple[int, int], power: LightPower, allowed: float
 ) -> float:
-    """The largest height, to a few per cent, whose smooth part orders (F, P) hold within a squared error.
+    """Find the largest height, to a few per cent, whose smooth part orders hold within a squared error.
 
-    What they leave grows about in proportion to the height, or faster: steps as if it did until there is a
-    bracket, then secants in logarithms, kept within it.
+    What they leave grows about in proportion to the height, or faster: the search steps as if it did until
+    there is a bracket, then takes secants in logarithms, kept within it.
     """
     L = len(power.degrees) - 1
 
@@ -173,29 +174,29 @@ def _height(
         return float(np.log(max(left_out, 1e-300) / allowed))
 
     # A bracket of the logarithm of the height, and the excess at its ends
-    at, value = 0.0, excess(0.0)
-    low, high = (at, np.inf) if value <= 0 else (-np.inf, at)
+    log_height, value = 0.0, excess(0.0)
+    low, high = (log_height, np.inf) if value <= 0 else (-np.inf, log_height)
     at_low = at_high = value
     for _ in range(_TRIALS):
         if np.isfinite(low) and (at_low > -_CLOSE or high - low < _CLOSE / 8):
             break
         if np.isfinite(low) and np.isfinite(high):
             share = (-_CLOSE / 2 - at_low) / (at_high - at_low)
-            at = low + (high - low) * float(np.clip(share, 0.05, 0.95))
+            log_height = low + (high - low) * float(np.clip(share, 0.05, 0.95))
         else:
-            at = at - (value + np.copysign(_CLOSE, value))
-        value = excess(at)
+            log_height = log_height - (value + np.copysign(_CLOSE, value))
+        value = excess(log_height)
         if value <= 0:
-            low, at_low = at, value
+            low, at_low = log_height, value
         else:
-            high, at_high = at, value
+            high, at_high = log_height, value
     return float(np.exp(low))
 
 
 def _smallest(measure: Measure, most: tuple[int, int], allowed: float) -> tuple[int, int]:
-    """The smallest P, then the smallest F, that leave no more than is allowed, or than the caps `most` do."""
+    """Find the smallest P, then the smallest F, that leave no more than is allowed or than the caps do."""
     F_max, P_max = most
-    target = max(allowed, FORGIVEN * measure.squared_error(F_max, P_max))
+    target = max(allowed, NEGLIGIBLE_GAIN * measure.squared_error(F_max, P_max))
     # the caps themselves where squares underflow
     P = next((P for P in range(P_max) if measure.squared_error(F_max, P) <= target), P_max)
     return next((F for F in range(F_max) if measure.squared_error(F, P) <= target), F_max), P

@@ -125,6 +125,7 @@ def read(path: PathLike) -> tuple[SavedLobe, ...]:
 
 def _pictures(k: int, lobe: SavedLobe, about_file: Mapping[str, str | int]) -> list[image_io.Part]:
     """Return the parts of lobe k."""
+    # What a reader must know of the lobe
     first = lobe.layers[0]
     metadata: dict[str, str | int | float] = {
         "shrm:class": lobe.kind,
@@ -134,6 +135,8 @@ def _pictures(k: int, lobe: SavedLobe, about_file: Mapping[str, str | int]) -> l
         **({"shrm:error": repr(float(lobe.error))} if math.isfinite(lobe.error) else {}),
         **about_file,
     }
+
+    # The layers as channels of one part, then its tables
     rings = np.concatenate([layer.rings for layer in lobe.layers], axis=1)  # (H, K, 3, W)
     flat = rings.transpose(0, 3, 1, 2).reshape(rings.shape[0], rings.shape[3], -1)
     channels = [f"L_{j}.{c}" for j in range(rings.shape[1]) for c in "RGB"]
@@ -167,10 +170,14 @@ def _lobe(images: Mapping[str, image_io.Part], k: int, brdf: str) -> SavedLobe:
 
 
 def _layers(images: Mapping[str, image_io.Part], k: int) -> tuple[Layer, ...]:
+    """Return the layers of lobe k."""
+    # Grid and center
     metadata = images[f"{k}.maps"].metadata
     layout, center = str(metadata["shrm:layout"]), str(metadata["shrm:center"])
     if layout not in get_args(Layout) or center not in get_args(Center):
         raise ValueError(f"layout {layout!r}, center {center!r}")
+
+    # Three channels for each layer
     pixels = _finite(images, f"{k}.maps")
     rows, columns, channels = pixels.shape
     fits = rows == 6 * columns > 12 * BORDER if layout == "cube" else columns == 2 * rows
@@ -187,13 +194,15 @@ def _layers(images: Mapping[str, image_io.Part], k: int) -> tuple[Layer, ...]:
 
 
 def _gamma(images: Mapping[str, image_io.Part], k: int) -> FloatArray:
+    """Return the angle between C and N of lobe k, radians, over theta_v."""
     gamma = _finite(images, f"{k}.gamma").ravel()
     if len(gamma) < 2 or gamma.min() < 0 or gamma.max() > np.pi:
-        raise ValueError("a table of gamma that is none")
+        raise ValueError("gamma must be two or more angles in [0, pi]")
     return gamma
 
 
 def _factors(images: Mapping[str, image_io.Part], k: int, layers: int) -> FloatArray:
+    """Return the factors of the layers of lobe k, (layers, T, channels)."""
     factors = _finite(images, f"{k}.factors")
     if len(factors) != layers or factors.shape[1] < 2 or factors.shape[2] not in (1, 3):
         raise ValueError(f"factors of shape {factors.shape} for {layers} layers")

@@ -26,13 +26,13 @@ from shrm.validation import one_of, positive, whole_number
 Method = Literal["frequency", "angular", "hierarchical"]
 
 MOST_SLICES = 341
-"""Largest number of layers: a part of a file has at most 1024 channels, and layers three each."""
+"""Most layers: a part of a file has at most 1024 channels, of which a layer takes three."""
 
 LARGEST_SIZE = 8192
-"""Largest rows of a lat-long map, or edge of a cube's face."""
+"""Most rows of a lat-long map, or of a cube's face."""
 
 P_MAX = 16
-"""Largest order of the view where layers are made in frequency space."""
+"""Largest order of the view where layers are made in frequency space: its maps themselves are not kept."""
 
 
 class Layer(Rings):
@@ -54,11 +54,12 @@ class Layer(Rings):
 
 @dataclass(frozen=True, eq=False)
 class Integration:
-    """How layers are made of an environment: the method, its tolerance, and the grid.
+    """The integration of an environment into layers: the method, its tolerance, and the grid.
 
     Attributes
     ----------
     env : Environment
+        The light.
     method : {"frequency", "angular", "hierarchical"}
         The integrator.
     tolerance : float
@@ -66,6 +67,7 @@ class Integration:
     size : int
         Rows of a lat-long map, or the edge of a cube's face.
     layout : {"latlong", "cube"}
+        The grid of the layers.
 
     Raises
     ------

@@ -112,7 +112,7 @@ class Prefiltered(Reflection):
             yield from lobe.lobe_maps(view)
 
     def save(self, path: PathLike) -> None:
-        """Write a file (`shrm.prefiltered.file` says what is in it).
+        """Write a file, in the format of `shrm.prefiltered.file`.
 
         Raises
         ------

@@ -84,8 +84,8 @@ class ParaboloidMap:
         result = np.zeros((len(centers), 3))
         places = face_positions(centers, self.size, self.border)
         for face, place, weight in zip(self.pixels, places, share, strict=True):
-            seen = np.flatnonzero(weight > 0.0)
-            result[seen] += weight[seen, None] * _bilinear(face, place[seen])
+            visible = np.flatnonzero(weight > 0.0)
+            result[visible] += weight[visible, None] * _bilinear(face, place[visible])
         return result
 
     def __repr__(self) -> str:

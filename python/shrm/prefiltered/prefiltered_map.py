@@ -43,7 +43,7 @@ class PrefilteredMap(Reflection):
     keeps : str
         The variables among v, n and t that the class keeps.
     assumes : str
-        When that is all there is.
+        The assumption under which these variables suffice.
     kinds, centers_held : tuple of str
         Kinds and centers of the lobes that the class holds; isotropic ones may have any center.
     layer_counts : (int, int)
@@ -215,7 +215,7 @@ class PrefilteredMap(Reflection):
     # ---- Files
 
     def save(self, path: PathLike) -> None:
-        """Write a file (`shrm.prefiltered.file` says what is in it).
+        """Write a file, in the format of `shrm.prefiltered.file`.
 
         Raises
         ------
