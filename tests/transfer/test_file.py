@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from shrm.transfer import file
 from shrm.transfer.file import TransferFileError, read, write
 from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.variant import Variant
@@ -138,6 +139,31 @@ def test_radiance_comes_back(tmp_path, content):
         expected = transfer().radiance(light, eye=[3, 4, 5], variant=name)
         actual = RadianceTransfer.load(tmp_path / "a.shrt").radiance(light, eye=[3, 4, 5], variant=name)
         np.testing.assert_allclose(actual, expected, atol=1e-5 * np.abs(expected).max())
+
+
+def test_matrices_on_disk_are_copied_a_part_at_a_time(tmp_path, monkeypatch):
+    monkeypatch.setattr(file, "_BLOCK_BYTES", 1 << 20)
+    mapped = np.lib.format.open_memmap(tmp_path / "A.npy", "w+", np.float32, (100_000, *SHAPE))
+    mapped[:] = random(12, 1, *SHAPE) * np.arange(100_000, dtype=np.float32)[:, None, None, None]
+    held = transfer(
+        vertices=random(0, len(mapped), 3),
+        frames=np.tile(np.eye(3, dtype=np.float32), (len(mapped), 1, 1)),
+        uv=None,
+        variants={"shadowed": Variant(matrices=mapped)},
+    )
+    held.save(tmp_path / "a.shrt")
+    tracemalloc.start()
+    try:
+        before = tracemalloc.get_traced_memory()[0]
+        with (tmp_path / "array").open("wb") as stream:
+            file._write_array(stream, mapped)
+        peak = tracemalloc.get_traced_memory()[1] - before
+    finally:
+        tracemalloc.stop()
+    assert peak < 2 << 20 < mapped.nbytes
+    assert (tmp_path / "array").read_bytes() == mapped.tobytes()
+    found = RadianceTransfer.load(tmp_path / "a.shrt", verify=True).variants["shadowed"].matrices
+    np.testing.assert_array_equal(found, mapped)
 
 
 def test_little_is_read_of_a_large_file(tmp_path):

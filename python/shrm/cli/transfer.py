@@ -121,7 +121,7 @@ def _add_compression(group: Arguments) -> None:
     )
     group.add_argument(
         "--tents",
-        type=values.count,
+        type=values.tents,
         metavar="M",
         help="resolution of the outgoing light, M x M tents (default: from the accuracy)",
     )

@@ -10,9 +10,14 @@
 >>> light = shrm.Environment.daylight().coefficients(transfer.n - 1)
 >>> radiance = transfer.radiance(light, eye=[-3, 0, 1])         # (V, 3), at the vertices
 
-From a mesh to its file, in the order of the data: `directions`, `rays`, `visibility`, `bounces`; `product`,
-`accuracy`, `materials`, `stored`, `matrices`; `components`, `compression`, `clusters`; `precompute`,
-`object`, `quaternions`, `file`. At run time: `surface`, `tents`, `earlier`, `lighting`.
+From a mesh to its file, in the order of the data:
+
+    rays/           directions, occluders, visibility, bounces: what vertices see; stored: arrays on disk
+    matrices/       product, materials, accuracy, vertex_matrices: what light becomes there
+    compression/    components, pca, clusters, choice
+    precompute, precomputation, object, quaternions, file
+
+and, at run time, lighting/: surface, tents, earlier.
 """
 
 from shrm.transfer.lighting import (

@@ -146,7 +146,7 @@ def rows(brdf: BRDF, views: npt.ArrayLike, n: int) -> FloatArray:
     Parameters
     ----------
     brdf : BRDF
-        As in `project`.
+        The material, see `project`.
     views : (k, 3) array_like
         Unit vectors above the horizon, z >= 0.
     n : int
@@ -155,12 +155,12 @@ def rows(brdf: BRDF, views: npt.ArrayLike, n: int) -> FloatArray:
     Returns
     -------
     (k, n^2) or (3, k, n^2) float64
-        To some 1e-4 of their RMS; within a degree of the horizon, to some 1e-3.
+        Rows, to some 1e-4 of their RMS; within a degree of the horizon, to some 1e-3.
 
     Warns
     -----
     RuntimeWarning
-        As in `project`.
+        If the quadrature does not settle, see `project`.
 
     Raises
     ------
@@ -186,13 +186,13 @@ def project_on_tents(brdf: BRDF, basis: DirectionalBasis, n: int, points: int = 
     Parameters
     ----------
     brdf : BRDF
-        As in `project`.
+        The material, see `project`.
     basis : DirectionalBasis
         The tents.
     n : int
         Order of the light, degrees 0 to n - 1, in [1, 32].
     points : int
-        Of the quadrature over the views, see `DirectionalBasis.quadrature`.
+        Points of the quadrature over the views, see `DirectionalBasis.quadrature`.
 
     Returns
     -------
@@ -201,7 +201,7 @@ def project_on_tents(brdf: BRDF, basis: DirectionalBasis, n: int, points: int = 
     Warns
     -----
     RuntimeWarning
-        As in `project`.
+        If the quadrature does not settle, see `project`.
 
     Raises
     ------

@@ -80,7 +80,7 @@ class DirectionalBasis:
         -------
         indices : (n, 4) int64
         weights : (n, 4) float64
-            At least 0; each row sums to 1.
+            Values at least 0; each row sums to 1.
         """
         return _core.tents(directions=unit_vectors("directions", directions), M=self.M)
 
@@ -199,7 +199,7 @@ class DirectionalBasis:
         Parameters
         ----------
         coefficients : (m^2,) or (m^2, channels) array_like
-            In the real basis of `shrm.sh`.
+            Coefficients in the real basis of `shrm.sh`.
 
         Returns
         -------

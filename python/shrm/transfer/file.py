@@ -122,7 +122,7 @@ def write(path: PathLike, saved: Saved) -> None:
     Parameters
     ----------
     path : path
-        By custom with the extension `.shrt`.
+        Name of the file, by custom with the extension `.shrt`.
     saved : Saved
         Matrices that are mapped from disk are copied a part at a time.
 

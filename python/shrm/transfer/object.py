@@ -39,7 +39,7 @@ class RadianceTransfer(Described):
     ----------
     vertices : (V, 3) float32
     faces : (T, 3) int32
-        In [0, V).
+        Indices of vertices, in [0, V).
     frames : (V, 3, 3) float32
         Rotations global_from_local, orthogonal to 1e-5: columns tangent, bitangent, normal.
     n : int
@@ -53,7 +53,7 @@ class RadianceTransfer(Described):
     uv : (V, 2) float32 or None
         Texture coordinates.
     material : str
-        In words, or as `shrm.brdf.parse` reads it.
+        The material in words, or as `shrm.brdf.parse` reads it.
     report : dict
         How it was made and how accurate it is: text, numbers, lists and dicts, as JSON has them.
 
@@ -143,7 +143,7 @@ class RadianceTransfer(Described):
         Parameters
         ----------
         variant : str, optional
-            By default the most complete one.
+            Name of the variant; by default the most complete one.
         components : int, optional
             How many components are used, K from 1 to those that there are; by default all.
         tents : int, optional

@@ -21,9 +21,9 @@ class Variant(Described):
     components : (K, M^2, C, n^2) or, clustered, (Q, K, M^2, C, n^2) float32 or float16, or None
         Matrices are sum_k weights[p, k] components[k] [LK03 eq. 12].
     clusters : (V,) int32 or None
-        In [0, Q).
+        Clusters of the vertices, in [0, Q).
     matrices : (V, M^2, C, n^2) float32 or float16, or None
-        Uncompressed; mapped from disk maybe.
+        Uncompressed matrices; mapped from disk maybe.
     """
 
     weights: RealArray | None = None

@@ -42,7 +42,7 @@ def clustered(
     Returns
     -------
     PrincipalComponents
-        With `clusters`; all Q are used.
+        Components with `clusters`; all Q are used.
 
     Raises
     ------

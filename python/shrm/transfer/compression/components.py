@@ -30,7 +30,7 @@ class PrincipalComponents(Described):
     components : (K, M^2, C, n^2) or, clustered, (Q, K, M^2, C, n^2) float32 or float16
         The largest first.
     clusters : (V,) int32 or None
-        In [0, Q).
+        Clusters of the vertices, in [0, Q).
     left : (K + 1,) float64
         The energy of radiance, see `shrm.transfer.compression`, that 0 to K components leave; `left[0]` is
         that of the uncompressed matrices.

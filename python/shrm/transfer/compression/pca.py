@@ -62,15 +62,15 @@ def factored(
 ) -> PrincipalComponents:
     """Return the exact principal components of A_p = P X_p.
 
-    With L^T P = Q U, Q orthonormal, those of U X_p in the plain metric are needed and no more. Takes
+    With L^T P = Q U, Q orthonormal, components of U X_p in the plain metric are all that is needed. It takes
     (r n^2)^2 numbers of memory: for r n^2 of a few thousand.
 
     Parameters
     ----------
     P : (M^2, C, r) floating
-        The tents' coefficients of what X_p becomes.
+        Coefficients in tents of what X_p becomes.
     X : (V, r, n^2) floating
-        For each vertex, from light; mapped from disk maybe.
+        Rows X_p of each vertex, over light; mapped from disk maybe.
     K : int, optional
         How many components, 1 to min(M^2 C, r) n^2; by default all of them.
     accuracy : float, optional

@@ -252,7 +252,7 @@ def parabolic_map(brdf: BRDF, n: int, side: int = 64) -> Float32Array:
     Parameters
     ----------
     brdf : BRDF
-        As `shrm.transfer.brdf_matrix.rows` takes it.
+        The material, see `shrm.transfer.brdf_matrix.rows`.
     n : int
         Order of the light, in [1, 10].
     side : int
@@ -267,7 +267,7 @@ def parabolic_map(brdf: BRDF, n: int, side: int = 64) -> Float32Array:
     Warns
     -----
     RuntimeWarning
-        As `shrm.transfer.brdf_matrix.rows`.
+        If the quadrature does not settle, see `shrm.transfer.brdf_matrix.rows`.
 
     Raises
     ------

@@ -85,7 +85,7 @@ class Lighting(Described, ABC):
         view : (3,) array_like, optional
             The unit vector to a distant viewer; in place of `eye`.
         out : (V, 3) float32 array, optional
-            In C order; takes the result.
+            Array in C order that takes the result.
 
         Returns
         -------

@@ -54,7 +54,7 @@ class Route:
         Order of outgoing radiance between the material and the tents, 1 to 32; None: none, as there is
         without an inner order.
     extension, window_above
-        Of outgoing radiance of order m, see `shrm.transfer.brdf_matrix.project`.
+        Expansion of outgoing radiance of order m, see `shrm.transfer.brdf_matrix.project`.
 
     Raises
     ------
@@ -208,7 +208,7 @@ def rotated(local: RealArray, frames: FloatArray) -> Float32Array:
     Parameters
     ----------
     local : (vertices, rows, n^2) or (rows, n^2)
-        Of light in local coordinates.
+        Matrices of light in local coordinates.
     frames : (vertices, 3, 3) float64
     """
     n = round(np.sqrt(local.shape[-1]))

@@ -166,19 +166,19 @@ def seen_vertices(
     Parameters
     ----------
     block : Block
-        With hits.
+        Vertices and their rays, with hits.
     faces : (T, 3) int32
 
     Returns
     -------
     row : (H,) int
-        Of each ray that meets the front of a face, in the order of rows and directions, its row in the block.
+        The row in the block of each ray that meets the front of a face, in the order of rows and directions.
     direction : (H,) int
-        Its direction.
+        The ray's direction.
     vertex : (H, 3) int32
         The corners of the face.
     weight : (H, 3) float32
-        Their weights where the ray ends; they sum to 1.
+        The corners' weights where the ray ends; they sum to 1.
 
     Raises
     ------
@@ -201,7 +201,7 @@ def incident(block: Block, faces: Int32Array, leaving: Float32Array) -> Float32A
     Parameters
     ----------
     block : Block
-        With hits.
+        Vertices and their rays, with hits.
     faces : (T, 3) int32
     leaving : (V, C, n^2) float32
 

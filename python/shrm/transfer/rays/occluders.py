@@ -71,7 +71,7 @@ class Occluders(Described):
     ----------
     vertices : (V, 3) float64
     faces : (T, 3) int32
-        At least one, in [0, V).
+        Indices of vertices, in [0, V); at least one face.
     normals : (V, 3) float64, optional
         Normals at the vertices, of any length. The front of a face is where those of its corners look, on the
         whole; without normals it is where its corners run counter-clockwise.

@@ -88,7 +88,7 @@ class Visibility(Described):
         Made if it is not there.
     vertices : (V, 3) float64
     faces : (T, 3) int32
-        In [0, V).
+        Indices of vertices, in [0, V).
     frames : (V, 3, 3) float64
         Rotations global_from_local of the vertices, see `shrm.transfer.tangent_frames.vertex_frames`.
     directions : (D, 3) float64
