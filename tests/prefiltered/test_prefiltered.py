@@ -25,6 +25,13 @@ from support import oracles
 from support.light import band_limited_environment
 
 METHODS = ["frequency", "angular", "hierarchical"]
+
+
+def by_all_methods(first, second):
+    """One thing by every method, and another by the first of them: what a method does with it is the same."""
+    return [(first, method) for method in METHODS] + [(second, METHODS[0])]
+
+
 N, V = oracles.random_views(400, seed=1)
 T = oracles.random_hairs(400, seed=2)[0]
 
@@ -55,8 +62,7 @@ def test_lobes_of_one_shape_are_exact(env, cls, material, method):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("material", [brdf.GGX(0.3), brdf.Microfacet(0.3)], ids=lambda m: m.name)
+@pytest.mark.parametrize(("material", "method"), by_all_methods(brdf.GGX(0.3), brdf.Microfacet(0.3)), ids=str)
 def test_three_dimensions_hold_the_symmetric_lobe(env, material, method):
     found = KautzMcCool3D.prefilter(env, material, method=method, tolerance=0.005, size=32)
     expected = of_kernel(symmetric(*material.lobes))
@@ -66,8 +72,7 @@ def test_three_dimensions_hold_the_symmetric_lobe(env, material, method):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("lobes", [1, 3])
+@pytest.mark.parametrize(("lobes", "method"), by_all_methods(3, 1))
 def test_two_dimensions_hold_factored_lobes(env, lobes, method):
     material = brdf.GGX(0.3, (1.0, 0.7, 0.3))
     found = KautzMcCool2D.prefilter(env, material, lobes=lobes, method=method, tolerance=0.005, size=48)
@@ -91,8 +96,7 @@ def test_anisotropic_maps_hold_lobes_about_the_tangent(env, material, method):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("center", ["lobe", "reflection"])
+@pytest.mark.parametrize(("center", "method"), by_all_methods("lobe", "reflection"))
 def test_cabral_is_integration_at_its_twelve_views(env, center, method):
     material = brdf.GGX(0.4).recentered(center)
     found = Cabral.prefilter(env, material, method=method, tolerance=0.005, size=32)
@@ -153,10 +157,11 @@ MAKERS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("layout", ["latlong", "cube"])
-@pytest.mark.parametrize("make", MAKERS.values(), ids=MAKERS)
-def test_files_and_pickles_bring_them_back(env, tmp_path, make, layout):
-    saved = make(env, size=8, layout=layout, tolerance=0.02)
+@pytest.mark.parametrize(
+    ("name", "layout"), [(name, ("latlong", "cube")[k % 2]) for k, name in enumerate(MAKERS)]
+)
+def test_files_and_pickles_bring_them_back(env, tmp_path, name, layout):
+    saved = MAKERS[name](env, size=8, layout=layout, tolerance=0.02)
     saved.save(tmp_path / "map.exr")
     back = Prefiltered.load(tmp_path / "map.exr")
     kinds = [type(one) for one in (saved.lobes if isinstance(saved, Prefiltered) else (saved,))]
@@ -175,7 +180,7 @@ def test_files_and_pickles_bring_them_back(env, tmp_path, make, layout):
 @pytest.mark.parametrize("make", MAKERS.values(), ids=MAKERS)
 def test_maps_at_a_view_are_looked_up_at_the_central_direction(env, make, layout):
     """Both are cubic look-ups, of layers or of their sum: alike but for shares between texels."""
-    maps = make(env, size=32, layout=layout)
+    maps = make(env, size=32, layout=layout, tolerance=0.05)  # both sides look up the same layers
     view = np.array([0.48, -0.6, 0.64])
     seen = N[N @ view > 0.2]
     tangents = T[N @ view > 0.2]
