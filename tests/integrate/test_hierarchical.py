@@ -321,3 +321,12 @@ def test_light_along_the_normal_is_looked_up_inside_the_table(name: str) -> None
     """Where products and sums are fused, 1 - sqrt(N.L) of N.L near 1 may be below 0."""
     environment = {**os.environ, "SHRM_INSTRUCTION_SET": name}
     subprocess.run([sys.executable, "-c", ALONG_THE_NORMAL], env=environment, check=True, timeout=120)
+
+
+@pytest.mark.parametrize("material", [brdf.GGX(1e-5), brdf.Phong(1e10)], ids=["ggx", "phong"])
+def test_lobes_that_fall_between_the_texels_are_warned_of(material):
+    """With a tolerance: what meets it is the sum over texels, which is not what such a lobe reflects."""
+    env = Environment(np.ones((16, 32, 3), np.float32))
+    with pytest.warns(UserWarning, match="falls between the texels"):
+        prefilter_hierarchical(env, material, tolerance=0.1)
+    prefilter_hierarchical(env, material, threshold=0.1)

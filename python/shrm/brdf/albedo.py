@@ -13,9 +13,11 @@ shrink geometrically towards the places where lobes peak and break at the places
     zonal       about C: one integral over theta_i, panels halving towards 0, theta_o and pi - theta_o
     isotropic   about R: panels halve towards theta = 0; the range of phi at each theta is the
                 part above the horizon, known in closed form, with panels halving towards its ends
-    anisotropic about N: panels of theta and phi halve towards R, in theta up to the horizon
+    anisotropic about N: panels of theta and phi halve towards R, in theta up to the horizon; a narrow one
+                over the slopes of half vectors, in steps that grow with them
 
-The number of nodes per panel is doubled until the result keeps to 1e-8.
+The number of nodes per panel is doubled until the result keeps to 1e-8, and panels are halved more often
+where that does not suffice: a narrow lobe is a thousand times as long as wide at grazing views.
 """
 
 from __future__ import annotations
@@ -28,15 +30,29 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import FloatArray
+from shrm.brdf.cosine_power import profile_at_angles
 from shrm.brdf.lobe import AnisotropicLobe, IsotropicLobe, Lobe, RadialLobe, ZonalLobe
 from shrm.brdf.material import BRDF, require_brdf
+from shrm.brdf.peaks import LADDER, peak_width, with_support
 from shrm.validation import number, real_array
 
 _HALVINGS = 22
 """Halvings of the panels towards a peak: the smallest, pi / 2^22, is below the narrowest lobe allowed."""
 
+_MORE = 12
+"""Halvings besides, where those do not suffice: such a lobe seen a thousandth of a radian from grazing."""
+
 _HALVINGS_2D = 12
 """Halvings where panels halve in two dimensions at once, to 7e-4 radians: nodes grow with the square."""
+
+_SEEN = 1.5e-3
+"""Slope of half vectors that panels in two dimensions see: narrower peaks have nodes of their own."""
+
+_LARGEST_SLOPE = 1e3
+"""Where these end, a thousandth of a radian from the horizon."""
+
+_HALVINGS_AZIMUTH = 9
+"""Halvings of the panels of azimuth towards both ends."""
 
 _TOLERANCE = 1e-8
 """Relative change on doubling the nodes below which an integral is taken: a hundredth of what is promised."""
@@ -84,15 +100,17 @@ def directional_albedo(brdf: BRDF, cos_theta_v: npt.ArrayLike, phi_v: float = 0.
 def _settled(lobe: Lobe, cos_theta_v: float, phi_v: float) -> FloatArray:
     """Integrate a lobe, (1,) or (3,), with as many nodes as it takes."""
     integral = _integral_of(lobe, phi_v)
-    coarse = integral(lobe, cos_theta_v, 6)
-    change = np.inf
-    for nodes in (12, 24, 48):
-        fine = integral(lobe, cos_theta_v, nodes)
-        change = float(np.max(np.abs(fine - coarse) / np.maximum(1.0, np.abs(fine))))
-        if change < _TOLERANCE:
-            return fine
-        coarse = fine
-    if change > 1e-6:
+    for more in (0, _MORE):
+        coarse = integral(lobe, cos_theta_v, 6, more)
+        for nodes in (12, 24, 48):
+            fine = integral(lobe, cos_theta_v, nodes, more)
+            change = float(np.max(np.abs(fine - coarse) / np.maximum(1.0, np.abs(fine))))
+            if change < _TOLERANCE:
+                return fine
+            coarse = fine
+        if change <= 1e-6:
+            break
+    else:
         warnings.warn(
             f"directional albedo at cosine {cos_theta_v:g} is only known to {change:.1e}",
             RuntimeWarning,
@@ -101,8 +119,8 @@ def _settled(lobe: Lobe, cos_theta_v: float, phi_v: float) -> FloatArray:
     return coarse
 
 
-def _integral_of(lobe: Lobe, phi_v: float) -> Callable[[Lobe, float, int], FloatArray]:
-    """Return the quadrature for a kind of lobe: a function of lobe, cos(theta_v) and nodes per panel."""
+def _integral_of(lobe: Lobe, phi_v: float) -> Callable[[Lobe, float, int, int], FloatArray]:
+    """Return the quadrature for a kind of lobe: of lobe, cosine, nodes per panel, halvings besides."""
     if isinstance(lobe, RadialLobe):
         return _radial
     if isinstance(lobe, AnisotropicLobe):
@@ -110,29 +128,32 @@ def _integral_of(lobe: Lobe, phi_v: float) -> Callable[[Lobe, float, int], Float
     return _zonal if isinstance(lobe, ZonalLobe) else _isotropic
 
 
-def _radial(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
+def _radial(lobe: Lobe, cos_theta_v: float, nodes: int, more: int) -> FloatArray:
     assert isinstance(lobe, RadialLobe)
     right = np.pi / 2  # where a profile in cos(theta_i) ends, as a power of it
-    edges = [_halving(0.0, right), right - _halving(0.0, right), right + _halving(0.0, right)]
+    edges = [_halving(0.0, right, more), right - _halving(0.0, right), right + _halving(0.0, right)]
     theta, weight = _gauss(np.unique(np.concatenate(edges).clip(0.0, np.pi)), nodes)
-    return _weighted(2.0 * np.pi * np.sin(theta) * weight, lobe.profile(np.cos(theta)))
+    return _weighted(2.0 * np.pi * np.sin(theta) * weight, profile_at_angles(lobe.profile, theta))
 
 
-def _zonal(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
+def _zonal(lobe: Lobe, cos_theta_v: float, nodes: int, more: int) -> FloatArray:
     assert isinstance(lobe, ZonalLobe)
     theta_o = float(lobe.theta_o(np.arccos(np.array(cos_theta_v))))
     # A profile may be cut off at any angle: many even panels besides the graded ones.
     edges = [np.linspace(0.0, np.pi, 4097)]
     for peak in {theta_o, np.pi - theta_o, 0.0}:
-        edges += [peak - _halving(0.0, np.pi), peak + _halving(0.0, np.pi)]
+        edges += [peak - _halving(0.0, np.pi, more), peak + _halving(0.0, np.pi, more)]
         edges.append(np.array([peak - np.pi / 2, peak + np.pi / 2]))
     breaks = np.unique(np.concatenate(edges))
-    theta, weight = _gauss(breaks[(breaks >= 0.0) & (breaks <= np.pi)], nodes)
+    breaks = breaks[(breaks >= 0.0) & (breaks <= np.pi)]
+    if more:
+        breaks = np.unique(with_support(lobe.profile, np.array([theta_o]), breaks[None]))
+    theta, weight = _gauss(breaks, nodes)
     values = lobe.profile(theta, np.full_like(theta, theta_o))
     return _weighted(2.0 * np.pi * np.sin(theta) * weight, values)
 
 
-def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
+def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int, more: int) -> FloatArray:
     assert isinstance(lobe, IsotropicLobe)
     sin_v = np.sqrt((1.0 - cos_theta_v) * (1.0 + cos_theta_v))
     elevation = np.arctan2(cos_theta_v, sin_v)  # of R above the horizon
@@ -140,7 +161,7 @@ def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
 
     # Nodes in theta, the angle from R
     edges = [
-        _halving(0.0, np.pi / 2),
+        _halving(0.0, np.pi / 2, more),
         elevation - _halving(0.0, elevation)[-12:],  # the range of phi has square roots at both ends
         elevation + _halving(0.0, end - elevation)[-12:],
         end - _halving(0.0, end - elevation)[-12:],
@@ -154,7 +175,7 @@ def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
     widest = (
         np.arccos(np.clip(limit, -1.0, 1.0)) if sin_v > 0.0 else np.where(np.cos(theta) > 0.0, np.pi, 0.0)
     )
-    half = _halving(0.0, 0.5)[-9:]
+    half = _halving(0.0, 0.5)[-_HALVINGS_AZIMUTH - more :]
     part, part_weight = _gauss(np.unique(np.concatenate([[0.0], half, 1.0 - half, [1.0]])), nodes)
     phi = widest[:, None] * part
 
@@ -167,7 +188,11 @@ def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int) -> FloatArray:
     return _weighted(weight.ravel(), lobe.transfer(wi, np.ascontiguousarray(wo)))
 
 
-def _anisotropic(lobe: Lobe, cos_theta_v: float, nodes: int, *, phi_v: float) -> FloatArray:
+def _anisotropic(lobe: Lobe, cos_theta_v: float, nodes: int, more: int, *, phi_v: float) -> FloatArray:
+    view = _direction(cos_theta_v, phi_v)
+    widths = _slope_widths(lobe, view)
+    if min(widths) < _SEEN:
+        return _over_slopes(lobe, view, widths, 2 * nodes)
     sin_v = np.sqrt((1.0 - cos_theta_v) * (1.0 + cos_theta_v))
     theta_v = np.arctan2(sin_v, cos_theta_v)
 
@@ -186,9 +211,46 @@ def _anisotropic(lobe: Lobe, cos_theta_v: float, nodes: int, *, phi_v: float) ->
     # L and V in the frame of N
     sine, cosine = np.sin(theta)[:, None], np.cos(theta)[:, None] + 0.0 * phi
     wi = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], axis=-1).reshape(-1, 3)
-    view = [sin_v * np.cos(phi_v), sin_v * np.sin(phi_v), cos_theta_v]
     weight = (theta_weight * np.sin(theta))[:, None] * phi_weight
     return _weighted(weight.ravel(), lobe.transfer(wi, np.tile(view, (len(wi), 1))))
+
+
+def _direction(cosine: float, phi: float) -> FloatArray:
+    """Return the unit vector (3,) of that cosine and azimuth."""
+    sine = np.sqrt((1.0 - cosine) * (1.0 + cosine))
+    return np.array([sine * np.cos(phi), sine * np.sin(phi), cosine])
+
+
+def _over_slopes(lobe: Lobe, view: FloatArray, widths: tuple[float, float], steps: int) -> FloatArray:
+    """Integrate over half vectors (x, y, 1) / length, trapezoidal in u: x = width sinh(u), and so in y."""
+    ends = [float(np.arcsinh(_LARGEST_SLOPE / width)) for width in widths]
+    u, v = (end * np.linspace(-1.0, 1.0, 2 * steps * int(np.ceil(end)) // 4 + 1) for end in ends)
+    x, y = np.meshgrid(widths[0] * np.sinh(u), widths[1] * np.sinh(v), indexing="ij")
+    area = np.outer(widths[0] * np.cosh(u) * (u[1] - u[0]), widths[1] * np.cosh(v) * (v[1] - v[0]))
+    wi, weight = _mirrored(np.stack([x.ravel(), y.ravel()], axis=1), view)
+    return _weighted(weight * area.ravel(), lobe.transfer(wi, np.tile(view, (len(wi), 1))))
+
+
+def _mirrored(slopes: FloatArray, view: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return lights (n, 3) for a view and slopes of half vectors (n, 2), and solid angles by d(slopes)."""
+    length2 = 1.0 + slopes[:, 0] ** 2 + slopes[:, 1] ** 2
+    h = np.concatenate([slopes, np.ones((len(slopes), 1))], axis=1) / np.sqrt(length2)[:, None]
+    cos_d = h @ view
+    # d(omega_i) = 4 V.H d(omega_h), d(omega_h) = cos^3(theta_h) d(slopes)
+    return 2.0 * cos_d[:, None] * h - view, 4.0 * np.maximum(cos_d, 0.0) * length2**-1.5
+
+
+def _slope_widths(lobe: Lobe, view: FloatArray) -> tuple[float, float]:
+    """Return slopes along the tangent and across within which a lobe keeps 2/3, at most 1."""
+
+    def width(axis: int) -> float:
+        slopes = np.zeros((len(LADDER), 2))
+        slopes[:, axis] = LADDER
+        paths = [_mirrored(sign * slopes, view)[0] for sign in (-1.0, 1.0)]
+        values = lobe.transfer(np.concatenate(paths), np.tile(view, (2 * len(LADDER), 1)))
+        return min(peak_width(values.reshape(2, len(LADDER), -1).swapaxes(0, 1)), 1.0)
+
+    return width(0), width(1)
 
 
 def _weighted(weight: FloatArray, values: FloatArray) -> FloatArray:
@@ -196,9 +258,9 @@ def _weighted(weight: FloatArray, values: FloatArray) -> FloatArray:
     return weight @ (values if values.ndim == 2 else values[:, None])
 
 
-def _halving(start: float, end: float) -> FloatArray:
-    """Return edges from start to end, each interval from start half of the next."""
-    return start + (end - start) * np.concatenate([[0.0], 0.5 ** np.arange(_HALVINGS, -1, -1)])
+def _halving(start: float, end: float, more: int = 0) -> FloatArray:
+    """Return edges from start to end, each interval from start half of the next, `more` than usual."""
+    return start + (end - start) * np.concatenate([[0.0], 0.5 ** np.arange(_HALVINGS + more, -1, -1)])
 
 
 def _gauss(breaks: FloatArray, nodes: int) -> tuple[FloatArray, FloatArray]:

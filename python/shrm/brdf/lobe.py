@@ -34,6 +34,7 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
+from shrm.brdf.cosine_power import profile_at
 from shrm.brdf.value import Value
 from shrm.validation import RGB, one_of
 
@@ -69,6 +70,11 @@ class Scaled(Value):
         """The largest factor of all that the function is multiplied by."""
         before = self.function.largest if isinstance(self.function, Scaled) else 1.0
         return before * float(np.max(self.factor))
+
+    @property
+    def takes_haversine(self) -> bool:
+        """Whether the function is a profile of cosine and haversine; see `shrm.brdf.cosine_power`."""
+        return bool(getattr(self.function, "takes_haversine", False))
 
     def __call__(self, *angles: FloatArray) -> FloatArray:
         """Evaluate the function, (n,), or (n, 3) where it or the factor has three channels."""
@@ -147,10 +153,15 @@ class RadialLobe(Lobe):
 
     def transfer(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Evaluate rho_hat; see `Lobe.transfer`."""
-        cos_theta_i = wi[:, 2]
         if self.center == "reflection":  # R.L with R = 2 (N.V) N - V
             cos_theta_i = 2.0 * wo[:, 2] * wi[:, 2] - np.einsum("nc,nc->n", wi, wo)
-        return self.profile(np.clip(cos_theta_i, -1.0, 1.0))
+            apart = wi - wo * [-1.0, -1.0, 1.0]
+        else:
+            cos_theta_i, apart = wi[:, 2], wi - [0.0, 0.0, 1.0]
+        haversine = np.minimum(
+            0.25 * np.einsum("nc,nc->n", apart, apart), 1.0
+        )  # |L - C| = 2 sin(theta_i / 2)
+        return profile_at(self.profile, np.clip(cos_theta_i, -1.0, 1.0), haversine)
 
     def scaled(self, factor: float | RGB) -> RadialLobe:
         """Return the lobe times a number, or times one per channel."""

@@ -30,13 +30,17 @@ import numpy as np
 
 from shrm import _core
 from shrm.arrays import FloatArray
+from shrm.brdf.cosine_power import profile_at_angles
 from shrm.brdf.lobe import Center, IsotropicLobe, Kind, Lobe, RadialLobe, ZonalLobe, refuse_anisotropic
+from shrm.brdf.peaks import NARROW, NARROW_RING, narrower, peak_about_rings, peak_of_profile, with_support
 from shrm.lobes.center import gamma_at, gamma_table, lobe_center
 from shrm.lobes.quadrature import (
     Quadrature,
     columns,
     horizon_quadrature,
     leggauss,
+    panel_quadrature,
+    ring_edges,
     tabulate,
     uniform_quadrature,
     unit_gauss,
@@ -184,8 +188,8 @@ def analyse(lobe: Lobe, L: int, P: int) -> LobeAnalysis:
 
 def _analyse_radial(lobe: RadialLobe, L: int) -> LobeAnalysis:
     """Project the profile alone: P = 0, rho_l00 = sqrt(4 pi) rho_l  [RH02] appendix C, radially symmetric."""
-    nodes = whole_quadrature(_width(lambda theta: lobe.profile(np.cos(theta))), L)
-    profile = columns(lobe.profile(np.cos(nodes.theta_i[0])))
+    nodes = whole_quadrature(_width(lambda theta: profile_at_angles(lobe.profile, theta)), L)
+    profile = columns(profile_at_angles(lobe.profile, nodes.theta_i[0]))
     g, energy = _project(profile.reshape(*nodes.shape, -1), nodes, L, 0)
     theta_o, weight = np.zeros(1), np.ones(1)
     return LobeAnalysis(
@@ -199,7 +203,7 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
     if lobe.center == "tangent":  # V uniform on the sphere
         x, w = leggauss(views)
         theta_o, weight = np.arccos(x), w / 2
-        nodes = uniform_quadrature(views, L)
+        nodes = _about_the_tangent(lobe, theta_o, L)
     else:  # cos^2(theta_v) uniform, as for isotropic lobes
         x, w = unit_gauss(views)
         theta_o, weight = lobe.theta_o(np.pi / 2 * x), np.pi / 2 * w * np.sin(np.pi * x)
@@ -217,6 +221,16 @@ _BY_VIEW = ("theta_i", "weight_theta", "arc")
 """The attributes of `Quadrature` that have a row for each view."""
 
 
+def _about_the_tangent(lobe: ZonalLobe, theta_o: FloatArray, L: int) -> Quadrature:
+    """Return nodes for a lobe about the tangent: most about the cones of V and its mirror if it is narrow."""
+    rings = np.stack([theta_o, np.pi - theta_o], axis=1)
+    peak = peak_about_rings(lobe.profile, theta_o[::8], rings[::8])
+    if peak < NARROW_RING:
+        edges = ring_edges(rings, peak)
+        return panel_quadrature(with_support(lobe.profile, theta_o, edges), L)
+    return uniform_quadrature(len(theta_o), L)
+
+
 def _narrowest(lobe: ZonalLobe, theta_o: FloatArray) -> float:
     """Return the smallest width of a lobe's profiles at about eight of the views, radians."""
 
@@ -228,7 +242,7 @@ def _narrowest(lobe: ZonalLobe, theta_o: FloatArray) -> float:
 
 def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     """Project over both angles of the light [RH02 appendix C], with more nodes if two sets do not agree."""
-    # With either number of azimuths a lobe about R or its own center is exact to 1e-5 (relative RMS); low
+    # With either number of azimuths a lobe about R or its own center is exact to 3e-5 (relative RMS); low
     # orders need fewer, unless the lobe lies far from the center.
     low = P <= 3 and L <= 32 and lobe.center != "normal"
 
@@ -282,12 +296,14 @@ def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, 
 
 def _width(profile: Callable[[FloatArray], FloatArray]) -> float:
     """Return the angle from the center within which half the energy of a profile of theta_i lies, radians."""
-    nodes = whole_quadrature(1e-3, 0)
+    peak = peak_of_profile(profile)
+    nodes = whole_quadrature(min(NARROW, 0.25 * peak), 0)
     energy = (columns(profile(nodes.theta_i[0])) ** 2).sum(axis=-1) * nodes.weight_theta[0]
     inside = np.cumsum(energy)
     if inside[-1] <= 0:
         return 0.5
-    return float(np.clip(nodes.theta_i[0][np.searchsorted(inside, inside[-1] / 2)], 1e-3, 0.8))
+    half = nodes.theta_i[0][np.searchsorted(inside, inside[-1] / 2)]
+    return narrower(float(half), peak)
 
 
 def _project(table: FloatArray, nodes: Quadrature, L: int, Q: int) -> tuple[FloatArray, FloatArray]:

@@ -7,6 +7,7 @@ and its children, and only where their difference would change the reflected lig
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Any
@@ -21,6 +22,7 @@ from shrm.brdf.lobe import Center
 from shrm.environment import Environment
 from shrm.files import PathLike
 from shrm.integrate import file
+from shrm.integrate.angular_lobes import half_width
 from shrm.integrate.descent_lobes import LobeDescent, descent_from_arrays, lobe_descent
 from shrm.integrate.queries import DEFAULT_SIZE, LARGEST_SIZE, lobes_of, pixels_of, queries
 from shrm.integrate.saved_arrays import number as saved_number
@@ -65,6 +67,11 @@ def prefilter_hierarchical(
     -------
     HierarchicalReflection
 
+    Warns
+    -----
+    UserWarning
+        If no threshold is given, and a lobe is so narrow that it falls between the texels.
+
     Raises
     ------
     TypeError, ValueError
@@ -91,11 +98,29 @@ def prefilter_hierarchical(
     if tolerance is None:
         thresholds, errors = [float(threshold or 0.0)] * len(lobes), None
     else:
+        _warn_of_narrow_lobes(pixels, brdf)
         searched = [threshold_for(lobe, pyramid, edge, tolerance) for lobe in lobes]
         thresholds, errors = [value for value, _ in searched], [error for _, error in searched]
     return HierarchicalReflection(
         pixels, pyramid, lobes, thresholds, edge, layout, brdf=brdf.name, errors=errors
     )
+
+
+BETWEEN_TEXELS = 0.125
+"""Distances of texels, which count as points, that half of a lobe must reach not to fall between them."""
+
+
+def _warn_of_narrow_lobes(pixels: Float32Array, brdf: BRDF) -> None:
+    """Warn if lobes fall between the points of a light; zonal ones are warned of by their tables."""
+    H, W, _ = pixels.shape
+    spacing = max(np.pi / H, 2 * np.pi / W)
+    narrowest = min((half_width(lobe) for lobe in lobes_of(brdf) if lobe.kind != "zonal"), default=np.inf)
+    if narrowest < BETWEEN_TEXELS * spacing:
+        warnings.warn(
+            f"a lobe {narrowest:.1g} rad wide falls between the texels, which count as points: they are"
+            f" {spacing:.1g} rad apart",
+            stacklevel=3,
+        )
 
 
 class HierarchicalReflection(Reflection):

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from shrm.arrays import Float32Array, FloatArray
+from shrm.brdf.cosine_power import profile_at, profile_at_angles
+from shrm.brdf.peaks import NARROW, peak_of_profile
 
 Profile = Callable[[FloatArray], FloatArray]
 
@@ -74,13 +77,13 @@ def radial_table(profile: Profile, tolerance: float) -> RadialTable:
     """Tabulate a profile of cos(theta)."""
 
     def of_square(q: FloatArray) -> FloatArray:  # q = sin^2(theta/2)
-        return channels_last(profile(1 - 2 * q))
+        return channels_last(profile_at(profile, 1 - 2 * q, q))
 
     # Angles and integral of the profile, by sin(theta) d(theta) = 4 s ds
-    s = np.arange(NODES + 1) / NODES
+    s, share = half_sines(profile)
     u = of_square(s**2)
     outer, width = (np.pi if part == 0 else _angle_within(s, u, part) for part in (tolerance, 0.5))
-    integral = float((8 * np.pi * np.abs(u) * s[:, None]).mean(axis=0).max())
+    integral = float((8 * np.pi * np.abs(u) * (s * share)[:, None]).mean(axis=0).max())
     end = _support(of_square, s, u)
     support = float(np.pi) if end > 1 else float(2 * np.arcsin(np.sqrt(end)))
 
@@ -91,7 +94,7 @@ def radial_table(profile: Profile, tolerance: float) -> RadialTable:
             break
         values, scale = _cubics(of_square, end, octaves, each)
         shift = 24 - each.bit_length()
-        error = relative_rms(_radial_at(values, shift, scale, s**2), u, s[:, None])
+        error = relative_rms(_radial_at(values, shift, scale, s**2), u, (s * share)[:, None])
         if best is None or error < best.error:
             best = RadialTable(values, shift, scale, support, outer, width, integral, error)
     assert best is not None
@@ -151,10 +154,24 @@ def _radial_at(values: Float32Array, shift: int, scale: float, q: FloatArray) ->
     return np.asarray((((c[:, 3] * x + c[:, 2]) * x + c[:, 1]) * x + c[:, 0]).T, dtype=np.float64)
 
 
+def half_sines(profile: Profile) -> tuple[FloatArray, FloatArray]:
+    """Return sin(theta/2) from 0 to 1 at which a profile is looked at, and the density of 1 / `NODES` there.
+
+    They are uniform, of the density 1, for all but narrow lobes: for these dense about the center, with as
+    many to each octave of angles outside the peak.
+    """
+    x, peak = np.arange(NODES + 1) / NODES, peak_of_profile(partial(profile_at_angles, profile))
+    if peak >= NARROW:
+        return x, np.ones_like(x)
+    width = 0.5 * peak
+    end = np.arcsinh(1 / width)
+    return np.minimum(width * np.sinh(end * x), 1.0), width * end * np.cosh(end * x)
+
+
 def integral_within(profile: Profile) -> tuple[FloatArray, FloatArray]:
     """Return angles from 0 to pi, radians, and the part of the integral of |u| that lies within each."""
-    s = np.arange(NODES + 1) / NODES
-    energy = _energy_within(s, channels_last(profile(1 - 2 * s**2)))
+    s, _ = half_sines(profile)
+    energy = _energy_within(s, channels_last(profile_at(profile, 1 - 2 * s**2, s**2)))
     return 2 * np.arcsin(s), energy / energy[-1] if energy[-1] > 0 else np.ones_like(s)
 
 
@@ -170,7 +187,7 @@ def _angle_within(s: FloatArray, u: FloatArray, left_out: float) -> float:
 def _energy_within(s: FloatArray, u: FloatArray) -> FloatArray:
     """Integrate |u| up to each angle, in any unit; sin(theta) d(theta) = 4 s ds."""
     density = np.abs(u).sum(axis=1) * s
-    return np.concatenate([[0], np.cumsum(density[1:] + density[:-1])])
+    return np.concatenate([[0], np.cumsum((density[1:] + density[:-1]) * np.diff(s))])
 
 
 # ---- Arrays

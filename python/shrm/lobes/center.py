@@ -15,6 +15,7 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf.lobe import Center
+from shrm.brdf.peaks import NARROW, narrower, peak_about_reflection
 from shrm.lobes.quadrature import Transfer, horizon_quadrature, tabulate
 
 GAMMA_SIZE = 257
@@ -47,9 +48,11 @@ def gamma_at(gamma: FloatArray, theta_v: FloatArray) -> FloatArray:
 @lru_cache(maxsize=64)
 def lobe_center(transfer: Transfer) -> tuple[FloatArray, float]:
     """Return gamma (257,) of the mean direction of rho_hat^2, and the angle that holds half, radians."""
-    # rho_hat^2 about R, with panels that double from a hundredth of a radian outwards
+    # rho_hat^2 about R, with panels that double from a hundredth of a radian, or from part of a peak's width
     theta_v = np.linspace(0, _GRAZING, 25)
-    nodes = horizon_quadrature(theta_v, 0.01, L=0, K=16, least=6)
+    peak = peak_about_reflection(transfer)
+    start = 0.25 * peak if peak < NARROW else 0.01
+    nodes = horizon_quadrature(theta_v, start, L=0, K=16, least=6)
     values = tabulate(transfer, theta_v, theta_v, nodes)
     energy = np.einsum("vkic,vkic->vki", values, values)
 
@@ -66,7 +69,10 @@ def lobe_center(transfer: Transfer) -> tuple[FloatArray, float]:
 
     # theta_o = theta_v + gamma must not fall, nor C leave the quadrant between N and the horizon.
     fine = np.linspace(0, np.pi / 2, GAMMA_SIZE)
-    theta_o = np.maximum.accumulate(fine + _hermite(theta_v, gamma, np.minimum(fine, _GRAZING)))
+    measured = _hermite(theta_v, gamma, np.minimum(fine, _GRAZING))
+    if peak < NARROW:
+        measured += np.maximum(fine - _GRAZING, 0)  # a narrow lobe stays with R
+    theta_o = np.maximum.accumulate(fine + measured)
     table = np.clip(theta_o - fine, 0, np.pi / 2)
 
     # The angle that holds half, at the narrowest view
@@ -75,7 +81,7 @@ def lobe_center(transfer: Transfer) -> tuple[FloatArray, float]:
     half = [t[np.searchsorted(e, e[-1] / 2)] for t, e in zip(nodes.theta_i, inside, strict=True) if e[-1] > 0]
     if not np.any(total > 0):
         return np.linspace(0, np.pi / 2, GAMMA_SIZE), 0.5
-    return table, float(np.clip(np.min(half), 1e-3, 0.8))
+    return table, narrower(float(np.min(half)), peak)
 
 
 def _hermite(x: FloatArray, y: FloatArray, points: FloatArray) -> FloatArray:

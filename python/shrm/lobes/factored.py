@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import FloatArray
+from shrm.brdf.cosine_power import profile_at_angles
 from shrm.brdf.lobe import Lobe, RadialLobe, ZonalLobe, refuse_anisotropic
 from shrm.brdf.models.phong import Phong
 from shrm.lobes.center import lobe_center
@@ -127,7 +128,7 @@ def factored_phong(lobe: Lobe) -> tuple[FactoredLobe]:
     table = _table(lobe)
     best: tuple[float, float, FloatArray] | None = None
     for exponent in np.geomspace(*PHONG_EXPONENTS):
-        shape = Phong(exponent).lobes[0].profile(np.cos(table.theta_i))[None]
+        shape = profile_at_angles(Phong(exponent).lobes[0].profile, table.theta_i)[None]
         factor = np.stack(
             [_projected(u, shape, table.light_measure)[:, 0] for u in np.moveaxis(table.values, 2, 0)], axis=1
         )

@@ -71,7 +71,35 @@ def _root_gauss(n: int) -> tuple[FloatArray, FloatArray]:
     return np.sin(np.pi / 2 * t) ** 2, np.pi / 2 * np.sin(np.pi * t) * w
 
 
-def panels(edges: FloatArray, L: int, least: int, roots: int) -> tuple[FloatArray, FloatArray]:
+_SLENDER = 5e-3
+"""Width below which azimuths lie in panels that shrink. Such lobes do not reach the horizon until views graze
+it, and are then many times as long as wide; K Gauss nodes see wider ones to 3e-5."""
+_SMALLEST_SHARE = 12
+"""Halvings of those panels at most: the views of an analysis are a thousandth of a radian from the horizon or
+more, and lobes 2^-10 as wide as long."""
+_SLENDERNESS = 64.0
+"""Length of a lobe by its width where views begin to weigh little: a hundredth of a radian from grazing."""
+_AZIMUTH_WAVES = 24 * np.pi
+"""Radians, for each unit of the share, of the largest azimuthal order that they resolve."""
+
+
+@lru_cache(maxsize=64)
+def _shrinking_gauss(halvings: int, least: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss nodes and weights on panels of [0, 1] that shrink by halves towards both ends."""
+    half = 0.5 ** np.arange(halvings, 0.0, -1.0)
+    edges = np.concatenate([[0.0], half, 1.0 - half[-2::-1], [1.0]])
+    nodes, weights = panels(edges[None], _AZIMUTH_WAVES, least, roots=0)
+    return nodes[0], weights[0]
+
+
+def _azimuths(width: float, K: int) -> tuple[FloatArray, FloatArray]:
+    """Shares of the arc and their weights, for a lobe of some width: K of them, or more if it is slender."""
+    if width >= _SLENDER:
+        return unit_gauss(K)
+    return _shrinking_gauss(min(int(np.ceil(-np.log2(width))), _SMALLEST_SHARE), max(K // 6, 3))
+
+
+def panels(edges: FloatArray, L: float, least: int, roots: int) -> tuple[FloatArray, FloatArray]:
     """Return composite Gauss nodes and weights on the panels between edges (views, n+1).
 
     The last `roots` panels are for functions with square-root ends.
@@ -99,7 +127,7 @@ def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int, least: i
     L : int
         Largest degree to be integrated.
     K : int
-        Azimuths for each colatitude.
+        Azimuths for each colatitude; lobes narrower than 5e-3 get more.
     least : int
         Colatitudes in each panel, before those that L needs.
 
@@ -107,9 +135,11 @@ def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int, least: i
     -------
     Quadrature
     """
-    # Panels in theta_i: up to `full` the whole circle is above the horizon, beyond it an arc.
+    # Panels in theta_i: up to `full` the whole circle is above the horizon, beyond it an arc. A slender lobe
+    # begins to fall where it is narrowest.
     full = np.pi / 2 - gamma
-    rungs = width * 2.0 ** np.arange(max(np.ceil(np.log2(full.max() / width)), 0))
+    first = width if width >= _SLENDER else width / _SLENDERNESS
+    rungs = first * 2.0 ** np.arange(max(np.ceil(np.log2(full.max() / first)), 0))
     inner = np.minimum(np.concatenate([[0.0], rungs, [np.pi]]), full[:, None])
     outer = full[:, None] + 2 * gamma[:, None] * np.array([0.25, 1.0])
     # The length of the arc has square roots at both ends of the outer panels.
@@ -120,7 +150,7 @@ def horizon_quadrature(gamma: FloatArray, width: float, L: int, K: int, least: i
         limit = -1 / (np.tan(gamma[:, None]) * np.tan(theta_i))
     arc = np.where(theta_i <= full[:, None], np.pi, np.arccos(np.clip(limit, -1, 1)))
     # Gauss in azimuth even where the arc is a whole circle: it is dense where lobes are narrow, at phi = 0.
-    return Quadrature(theta_i, weight * np.sin(theta_i), arc, *unit_gauss(K))
+    return Quadrature(theta_i, weight * np.sin(theta_i), arc, *_azimuths(width, K))
 
 
 def whole_quadrature(width: float, L: int) -> Quadrature:
@@ -128,6 +158,24 @@ def whole_quadrature(width: float, L: int) -> Quadrature:
     rungs = width * 2.0 ** np.arange(np.ceil(np.log2(np.pi / 2 / width)))
     edges = np.concatenate([[0.0], rungs[rungs < np.pi / 2], [np.pi / 2, np.pi]])
     theta_i, weight = panels(edges[None], L, least=12, roots=len(edges) - 1)
+    return _without_azimuth(theta_i, weight)
+
+
+def ring_edges(rings: FloatArray, width: float) -> FloatArray:
+    """Edges of panels from 0 to pi, (views, n), that double in size from `width` on, on both sides of rings.
+
+    Rings are colatitudes (views, m), radians.
+    """
+    rungs = width * 2.0 ** np.arange(max(np.ceil(np.log2(np.pi / width)), 0))
+    steps = np.concatenate([-rungs[::-1], [0.0], rungs])
+    edges = (rings[..., None] + steps).reshape(len(rings), -1)
+    ends = np.tile([0.0, np.pi], (len(rings), 1))
+    return np.sort(np.clip(np.concatenate([ends, edges], axis=1), 0.0, np.pi), axis=1)
+
+
+def panel_quadrature(edges: FloatArray, L: int) -> Quadrature:
+    """Nodes over the whole sphere on panels of colatitude between edges (views, n): one azimuth."""
+    theta_i, weight = panels(edges, L, least=12, roots=0)
     return _without_azimuth(theta_i, weight)
 
 

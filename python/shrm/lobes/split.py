@@ -43,6 +43,11 @@ class SplitFunction:
     height: float
     part: str
 
+    @property
+    def takes_haversine(self) -> bool:
+        """Whether `whole` is a profile of cosine and haversine; see `shrm.brdf.cosine_power`."""
+        return bool(getattr(self.whole, "takes_haversine", False))
+
     def __call__(self, *angles: FloatArray) -> FloatArray:
         """Evaluate the part where `whole` is evaluated."""
         rho = self.whole(*angles)

@@ -18,6 +18,7 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
+from shrm.brdf.cosine_power import cosine_power
 from shrm.brdf.lobe import ZonalLobe
 from shrm.brdf.material import BRDF
 from shrm.brdf.value import Method
@@ -58,5 +59,5 @@ class KajiyaKay(BRDF):
 
     def _profile(self, theta_i: FloatArray, theta_o: FloatArray) -> FloatArray:
         axis = theta_o if self.cone == "paper" else np.pi - theta_o
-        cosine = np.cos(theta_i - axis)
-        return np.where(cosine > 0.0, np.maximum(cosine, 0.0) ** self.exponent, 0.0)
+        angle = theta_i - axis
+        return cosine_power(np.cos(angle), np.sin(0.5 * angle) ** 2, self.exponent)

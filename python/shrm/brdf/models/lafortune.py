@@ -25,6 +25,7 @@ import numpy.typing as npt
 
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
+from shrm.brdf.cosine_power import SHARP
 from shrm.brdf.half_vector import above_horizon
 from shrm.brdf.lobe import IsotropicLobe, Lobe
 from shrm.brdf.material import BRDF
@@ -150,11 +151,18 @@ class Lafortune(BRDF, Value):
         column = (slice(None),) + (None,) * (xy.ndim - 1)  # (n,) against the (3,) channels of a lobe
         along = (wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])[column]
         up = (wi[:, 2] * wo[:, 2])[column]
+        apart2 = (wi[:, 0] + wo[:, 0]) ** 2 + (wi[:, 1] + wo[:, 1]) ** 2 + (wi[:, 2] - wo[:, 2]) ** 2
         cosine = np.where(above_horizon(wi, wo), wi[:, 2], 0.0)[column]
         total = np.zeros(along.shape[:1] + xy.shape[1:])
         for k in range(len(xy)):
             dot = xy[k] * along + z[k] * up
-            total += np.where(dot > 0.0, np.maximum(dot, 0.0) ** exponent[k], 0.0)
+            if np.all(exponent[k] < SHARP):
+                power = np.maximum(dot, 0.0) ** exponent[k]
+            else:
+                # dot - 1 with R.L = up - along = 1 - |L - R|^2 / 2: as exact as the lobe is narrow about R
+                excess = (z[k] - 1.0) - 0.5 * z[k] * apart2[column] + (xy[k] + z[k]) * along
+                power = np.exp(exponent[k] * np.log1p(np.maximum(excess, -1.0 + 1e-16)))
+            total += np.where(dot > 0.0, power, 0.0)
         return total * cosine
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
+from shrm.brdf.cosine_power import profile_at_angles
 from shrm.brdf.half_vector import schlick
 from shrm.brdf.lobe import ZonalLobe
 from shrm.brdf.material import BRDF
@@ -63,7 +64,7 @@ class MillerHeidrich(BRDF):
         return _product(1.0 - schlick(self.f0, np.cos(theta_o)), lambert)  # theta_o = theta_v
 
     def _specular(self, theta_i: FloatArray, theta_o: FloatArray) -> FloatArray:
-        phong = Phong(self.exponent).lobes[0].profile(np.cos(theta_i))
+        phong = profile_at_angles(Phong(self.exponent).lobes[0].profile, theta_i)
         return _product(schlick(self.f0, np.cos(0.5 * theta_o)), phong)  # theta_o = 2 theta_v
 
 

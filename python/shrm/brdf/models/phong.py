@@ -12,9 +12,9 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.brdf import parameters
+from shrm.brdf.cosine_power import SharpProfile, cosine_power
 from shrm.brdf.lobe import RadialLobe
 from shrm.brdf.material import BRDF
-from shrm.brdf.value import Method
 from shrm.validation import number
 
 
@@ -38,14 +38,13 @@ class Phong(BRDF):
     @property
     def lobes(self) -> tuple[RadialLobe]:
         """One radial lobe about the reflection."""
-        return (RadialLobe("reflection", Method(Phong._profile, self)),)
+        return (RadialLobe("reflection", SharpProfile(Phong._profile, self)),)
 
     @property
     def name(self) -> str:
         """The text that `parse` reads."""
         return f"phong(exponent={parameters.text(self.exponent)})"
 
-    def _profile(self, cos_theta_i: FloatArray) -> FloatArray:
-        # Zero behind the plane for s = 0 too, where 0^0 would be 1.
-        power = np.where(cos_theta_i > 0.0, np.maximum(cos_theta_i, 0.0) ** self.exponent, 0.0)
-        return power * ((self.exponent + 1.0) / (2.0 * np.pi))
+    def _profile(self, cos_theta_i: FloatArray, haversine: FloatArray | None = None) -> FloatArray:
+        half = 0.5 * (1.0 - cos_theta_i) if haversine is None else haversine
+        return cosine_power(cos_theta_i, half, self.exponent) * ((self.exponent + 1.0) / (2.0 * np.pi))

@@ -14,6 +14,7 @@ About the lobe center.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 
@@ -68,6 +69,12 @@ class SGD(BRDF):
         for key in PARAMETERS:
             least, most = _LEAST.get(key, 0.0), parameters.LARGEST if key in ("rhoD", "rhoS") else 1e40
             object.__setattr__(self, key, number_or_rgb(f"SGD: {key}", getattr(self, key), least, most))
+        half_width = min(_half_width(fit["alpha"], fit["p"]) for fit in self._channels())
+        if half_width < parameters.NARROWEST:
+            raise ValueError(
+                f"SGD: alpha and p must make a lobe that falls to half at {parameters.NARROWEST:g} radians "
+                f"or more, got {half_width:.2g}: take a larger alpha or a smaller p"
+            )
 
     @classmethod
     def read(cls, path: PathLike, name: str) -> SGD:
@@ -136,7 +143,22 @@ class SGD(BRDF):
 
 
 PARAMETERS = tuple(each.name for each in fields(SGD) if not each.kw_only)
+_BISECTIONS = 100
 _LEAST = {"alpha": parameters.NARROWEST, "f0": -1e40, "f1": -1e40, "theta0": -np.pi}
+
+
+def _half_width(alpha: float, p: float) -> float:
+    """Return tan(theta_h) at which exp(-x) / x^p falls to half, x = alpha (1 + u), u = (tan / alpha)^2."""
+
+    def fall(u: float) -> float:
+        return alpha * u + p * math.log1p(u)
+
+    # The logarithm of the fall grows with u: alpha u alone reaches log 2 at the upper end.
+    low, high = 0.0, math.log(2.0) / alpha
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if fall(middle) < math.log(2.0) else (low, middle)
+    return alpha * math.sqrt(high)
 
 
 def _g1(fit: Mapping[str, float], theta: FloatArray) -> FloatArray:

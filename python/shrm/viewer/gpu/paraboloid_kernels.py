@@ -24,7 +24,8 @@ from typing import Literal
 import numpy as np
 
 from shrm.arrays import Float32Array, FloatArray
-from shrm.integrate.radial_table import NODES, Profile, channels_last, integral_within
+from shrm.brdf.cosine_power import profile_at, profile_at_angles
+from shrm.integrate.radial_table import NODES, Profile, channels_last, half_sines, integral_within
 
 Which = Literal["small", "large"]
 
@@ -95,9 +96,9 @@ def clamp_angle(profile: Profile, clamp: float) -> float:
     """Return the angle from which on all channels are below a part of the maximum; 0 if the lobe is black."""
 
     def height(theta: FloatArray) -> FloatArray:
-        return np.asarray(np.abs(channels_last(profile(np.cos(theta)))).max(axis=1))
+        return np.asarray(np.abs(channels_last(profile_at_angles(profile, theta))).max(axis=1))
 
-    theta = 2 * np.arcsin(np.arange(NODES + 1) / NODES)
+    theta = 2 * np.arcsin(half_sines(profile)[0])
     values = height(theta)
     if values.max() == 0.0:
         return 0.0
@@ -134,7 +135,7 @@ def texture_kernel(profile: Profile, filter: TextureFilter, texel: float) -> Flo
     # The angle that a distance is at d = 0, and towards the center at d = 1: r_s and r_l backwards.
     at_rim = filter.which == "large"
     theta = np.pi / 2 - 2 * np.arctan(1 - distance) if at_rim else 2 * np.arctan(distance)
-    values = channels_last(profile(np.cos(theta.ravel())))
+    values = channels_last(profile_at_angles(profile, theta.ravel()))
     values[distance.ravel() > filter.radius] = 0.0
     total = values.sum(axis=0)
     kernel = np.where(total != 0, values / np.where(total != 0, total, 1), 0.0) * integral(profile)
@@ -148,9 +149,9 @@ def integral(profile: Profile) -> FloatArray:
 
 def _within(profile: Profile) -> FloatArray:
     """The integral of each channel up to the angles of `integral_within`, (n, C); sin t dt = 4 s ds."""
-    s = np.arange(NODES + 1) / NODES
-    density = 8 * np.pi * channels_last(profile(1 - 2 * s**2)) * s[:, None]
-    steps = (density[1:] + density[:-1]) / (2 * NODES)
+    s, _ = half_sines(profile)
+    density = 8 * np.pi * channels_last(profile_at(profile, 1 - 2 * s**2, s**2)) * s[:, None]
+    steps = 0.5 * (density[1:] + density[:-1]) * np.diff(s)[:, None]
     return np.concatenate([np.zeros((1, steps.shape[1])), np.cumsum(steps, axis=0)])
 
 
@@ -179,7 +180,9 @@ def taps(profile: Profile, count: int) -> Float32Array:
     of_channels = _within(profile)
     weights = np.diff([np.interp(edges, share, channel) for channel in of_channels.T], axis=1).T
     energy = float(np.abs(of_channels[-1]).sum())
-    density = np.abs(channels_last(profile(np.cos(theta)))).sum(axis=1) / (energy if energy > 0 else 1.0)
+    density = np.abs(channels_last(profile_at_angles(profile, theta))).sum(axis=1) / (
+        energy if energy > 0 else 1.0
+    )
     result = np.zeros((2, count, 4))
     x, y = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)
     result[0, :, :3] = np.stack([x, y, np.cos(theta)], axis=1)
