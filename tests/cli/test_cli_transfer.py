@@ -11,7 +11,7 @@ from shrm import Environment
 from shrm.cli import parser, view
 from shrm.image_io import ImageWarning, read_image, write_image
 from shrm.render import Object, TransferredMesh, about_vertical, render, row_camera
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.viewer.window.orbit import Orbit
 from shrm.viewer.window.state import State
 from support.transfer_objects import COMPONENTS, M, N, broken, transferred

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from shrm.transfer.lighting import Tents
 from shrm.transfer.matrices.product import Route
-from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
+from shrm.transfer.radiance_transfer import RadianceTransfer
 
 from support.transfer_meshes import Mesh, Surface, bumpy
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 from shrm import brdf
-from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
+from shrm.transfer.radiance_transfer import RadianceTransfer
 
 from support.precomputed import ALL, matrices, rebuilt
 from support.transfer_meshes import Surface, bumpy

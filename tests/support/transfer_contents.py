@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.transfer.variant import Variant
 
 V, K, Q, M, N = 7, 3, 2, 2, 2

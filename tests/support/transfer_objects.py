@@ -6,7 +6,7 @@ import numpy as np
 from shrm import brdf
 from shrm.transfer.brdf_matrix import project_on_tents
 from shrm.transfer.directional_basis import DirectionalBasis
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.transfer.tangent_frames import band_rotations, vertex_frames
 from shrm.transfer.variant import Variant
 

@@ -13,8 +13,8 @@ import pytest
 from shrm import brdf
 from shrm.transfer.lighting import Tents
 from shrm.transfer.matrices.product import Route, published
-from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from support import oracles
 from support.data import require
 from support.directions import sphere

@@ -13,7 +13,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from shrm.transfer import file
 from shrm.transfer.file import TransferFileError, read, write
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.transfer.variant import Variant
 from support.transfer_contents import SHAPE, K, N, Q, V, random, transfer
 

@@ -11,8 +11,8 @@ import pytest
 from shrm import brdf
 from shrm.transfer.matrices import vertex_matrices
 from shrm.transfer.matrices.product import Route
-from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.transfer.rays.occluders import Occluders
 from support.precomputed import ALL
 from support.transfer_meshes import Mesh, Surface, bumpy

@@ -11,7 +11,7 @@ import pytest
 from shrm import Environment, brdf, sh
 from shrm.integrate.angular import integrate
 from shrm.render import Camera, Mesh, Object, TransferredMesh, VertexRadiance, about_vertical, render
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.viewer import Context, Renderer, Scene
 from shrm.viewer.window.state import State
 from support import opengl, oracles

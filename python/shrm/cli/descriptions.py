@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from shrm.brdf import BRDF, Measured
     from shrm.environment import Environment
-    from shrm.transfer.object import RadianceTransfer
+    from shrm.transfer.radiance_transfer import RadianceTransfer
 
 LAST_DEGREE = 60
 """Largest degree of the spectrum of an environment that is computed."""

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from shrm.arrays import FloatArray
     from shrm.render import Camera, Object
     from shrm.transfer.lighting import Lighting
-    from shrm.transfer.object import RadianceTransfer
+    from shrm.transfer.radiance_transfer import RadianceTransfer
 
 
 def open_transfer(
@@ -43,7 +43,7 @@ def open_transfer(
     argparse.ArgumentError
         If the object has no such variant, or not as many components or tents.
     """
-    from shrm.transfer.object import RadianceTransfer
+    from shrm.transfer.radiance_transfer import RadianceTransfer
 
     with progress("Opening the object"):
         transfer = RadianceTransfer.load(path)

@@ -23,7 +23,7 @@ from shrm.render.placement import Placement
 from shrm.render.vertex_radiance import VertexRadiance
 from shrm.transfer.file import MAGIC
 from shrm.transfer.lighting import Lighting
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 
 SUFFIX = ".shrt"
 

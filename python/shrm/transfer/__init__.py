@@ -15,7 +15,7 @@ From a mesh to its file, in the order of the data:
     rays/           directions, occluders, visibility, bounces: what vertices see; stored: arrays on disk
     matrices/       product, materials, accuracy, vertex_matrices: what light becomes there
     compression/    components, pca, clusters, choice
-    precompute, precomputation, object, quaternions, file
+    precompute, precomputation, radiance_transfer, quaternions, file
 
 and, at run time, lighting/: surface, tents, earlier.
 """
@@ -31,8 +31,8 @@ from shrm.transfer.lighting import (
     Tents,
 )
 from shrm.transfer.matrices.product import Route, published
-from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.transfer.variant import Variant
 
 __all__ = [

@@ -29,7 +29,7 @@ from shrm.transfer.matrices.accuracy import Sample, chosen
 from shrm.transfer.matrices.materials import Materials
 from shrm.transfer.matrices.product import Product, Route, product
 from shrm.transfer.matrices.vertex_matrices import Factors, Matrices
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.transfer.rays.bounces import MOST_BOUNCES, albedos, leaving
 from shrm.transfer.rays.directions import FEWEST_DIRECTIONS, MOST_DIRECTIONS, local_directions
 from shrm.transfer.rays.occluders import Occluders

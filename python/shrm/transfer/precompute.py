@@ -9,8 +9,8 @@ import numpy.typing as npt
 from shrm.brdf import BRDF
 from shrm.files import PathLike
 from shrm.transfer.matrices.product import Route
-from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precomputation import MeshLike, Precomputation, Progress
+from shrm.transfer.radiance_transfer import RadianceTransfer
 
 
 def precompute(

@@ -9,7 +9,7 @@ import numpy as np
 from shrm import brdf
 from shrm.arrays import FloatArray
 from shrm.transfer.matrices.product import Route
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 
 from shrm_papers.lk03.subject import Subject, n, note, subject_of
 from shrm_papers.plotting import COLORS, MARKS, panels

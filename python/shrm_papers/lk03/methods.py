@@ -32,7 +32,7 @@ from shrm.transfer.matrices.product import (
     rotated,
     view_rows,
 )
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.transfer.variant import Variant
 
 from shrm_papers.lk03.reference import VERTICES, VIEWS, Reference

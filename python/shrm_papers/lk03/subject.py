@@ -19,8 +19,8 @@ from shrm.arrays import BoolArray, Float32Array
 from shrm.brdf import BRDF, Lambert
 from shrm.render import Mesh
 from shrm.transfer.matrices.product import Route, accumulate, harmonics, product, rotated
-from shrm.transfer.object import RadianceTransfer
 from shrm.transfer.precompute import precompute
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.transfer.rays.directions import local_directions
 from shrm.transfer.rays.visibility import Visibility
 from shrm.transfer.tangent_frames import vertex_frames

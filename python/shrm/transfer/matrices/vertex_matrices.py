@@ -103,6 +103,7 @@ class Matrices(Described):
 
     def unshadowed(self, progress: Progress) -> Factors:
         """Return B R_p: nothing hides the light, and T is the identity."""
+        # One material: R_p are the rows, and B makes tents of them
         if self._single:
             rows = self._stored(
                 "unshadowed",
@@ -114,6 +115,7 @@ class Matrices(Described):
             outer = self._as_channels(self.products[0].unshadowed[None])[0]
             return Factors(self.tents, self.channels, rows, np.ascontiguousarray(outer, np.float32))
 
+        # Several: the sum of their B, each times its share
         def make(part: slice) -> Float32Array:
             total = np.zeros((part.stop - part.start, self.tents * self.channels, self.n**2), np.float32)
             for product, share in self._shares(part):
@@ -143,11 +145,15 @@ class Matrices(Described):
 
         def make(part: slice) -> Float32Array:
             block = visibility[part.start // visibility.block]
+
+            # One material by way of harmonics: X_p are the rows
             if inner is not None:
                 rows = accumulate(inner, block.visible, Y, self.frames[part])
                 if leaving is not None:
                     _reflect(rows[:, :, None], inner[:, None], block, visibility, leaving)
                 return rows
+
+            # Else tents, of several materials the sum
             total = np.zeros((len(block.visible), self.tents * self.channels, self.n**2), np.float32)
             for product, share in self._shares(part):
                 rows = accumulate(product.rays, block.visible, Y, self.frames[part])

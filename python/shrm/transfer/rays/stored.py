@@ -109,6 +109,8 @@ def _finished(data: Path, state: Path, about: dict[str, Any]) -> tuple[int, int]
         array = np.lib.format.open_memmap(data, mode="r")
     except Exception:  # numpy raises whatever a broken file makes it raise
         return 0, 0
+
+    # The array, and rows of it that have the checksum
     finished, crc = saved.get("finished"), 0
     if array.dtype != np.float32 or not array.flags.c_contiguous or list(array.shape) != about["shape"]:
         return 0, 0

@@ -154,11 +154,14 @@ class Visibility(Described):
         OSError
             If the folder cannot be written.
         """
+        # What is there already
         total = len(self.vertices)
         if progress is not None:
             progress(min(total, self.finished * self.block), total)
         if self.finished == self.blocks:
             return
+
+        # Block after block: its file first, then the state that names it
         occluders = Occluders(self.vertices, self.faces, self.frames[:, :, 2])
         for index in range(self.finished, self.blocks):
             these = slice(index * self.block, min(total, (index + 1) * self.block))
@@ -192,6 +195,7 @@ class Visibility(Described):
         OSError
             If its file is not there.
         """
+        # The block, which must be there
         if not 0 <= index < self.blocks:
             raise IndexError(f"block {index} is not among the {self.blocks} there are")
         if index >= self.finished:
@@ -202,6 +206,8 @@ class Visibility(Described):
         path, first = self._path(index), index * self.block
         B, D = min(self.block, len(self.vertices) - first), len(self.directions)
         content = path.read_bytes()
+
+        # Its arrays, which must be of the shapes and in the ranges that were written
         try:
             with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
                 visible = np.unpackbits(_checked(arrays["visible"], np.uint8, B, D // 8), axis=1).view(

@@ -27,7 +27,7 @@ from shrm.render.row import SUN_AZIMUTH, row_camera
 from shrm.render.shapes import Shape, Sphere
 from shrm.render.tangents import Tangents
 from shrm.render.transferred import TransferredMesh
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.viewer.window.state import UNTURNED, Filter, Rows, State, Technique, Up
 from shrm.viewer.window.worker import StaleError
 

@@ -11,7 +11,7 @@ from shrm.render.camera import Camera
 from shrm.render.transferred import TransferredMesh
 from shrm.render.vertex_radiance import VertexRadiance
 from shrm.transfer.lighting import Compressed, Lighting
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.viewer.window.state import State, Variant
 
 VARIANTS: tuple[Variant, ...] = get_args(Variant)

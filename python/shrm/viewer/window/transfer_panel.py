@@ -11,7 +11,7 @@ from pathlib import Path
 
 from slimgui import imgui
 
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.viewer.window.choices import BY_PATH, DISTANCES, SHOWN_OF_TRANSFER, WINDOWS
 from shrm.viewer.window.lighting import Prefiltered
 from shrm.viewer.window.opening import absolute, with_file

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shrm.transfer import file
 from shrm.transfer.file import TransferFileError
-from shrm.transfer.object import RadianceTransfer
+from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.transfer.variant import Variant
 from support.transfer_contents import SHAPE, K, M, N, Q, V, random, transfer
 
