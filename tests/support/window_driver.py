@@ -79,8 +79,9 @@ class Hands:
             assert time.monotonic() < end
             self.app.frame()
             glfw.poll_events()
-            comparing = self.app.state.shown != "maps" and self.app.comparison.worker.busy
-            busy = self.app.lighting.busy or comparing or not self.app.screen.complete
+            # What a worker answered before it fell silent is taken by the next of the quiet frames.
+            comparing = self.app.state.shown != "maps" and self.app.comparison.worker.working
+            busy = self.app.prefiltering.working or comparing or not self.app.screen.complete
             quiet = 0 if busy else quiet + 1
             if not quiet:
                 time.sleep(0.005)

@@ -64,7 +64,7 @@ def test_it_shows_what_the_library_draws(opened: Opened, sky: Path, file: Path, 
     hands.drag(glfw.MOUSE_BUTTON_RIGHT, MIDDLE, (MIDDLE[0] + 60, MIDDLE[1] + 20))
     hands.settle()
     assert matches(hands, file, sky)
-    assert hands.app.lighting.answered == 1  # light and eye take no worker
+    assert hands.app.prefiltering.answered == 1  # light and eye take no worker
 
 
 @pytest.mark.slow
@@ -121,7 +121,7 @@ def test_components_and_tents_by_sliders(opened: Opened, sky: Path, file: Path) 
     app.state = replace(app.state, components=7, tents=3)
     hands.settle()
     assert matches(hands, file, sky)
-    assert app.lighting.answered == 1
+    assert app.prefiltering.answered == 1
 
 
 def test_light_turns_by_itself_as_time_passes(opened: Opened, sky: Path, file: Path) -> None:

@@ -53,7 +53,7 @@ def test_left_drags_orbit_and_shifted_ones_pan(opened: Opened) -> None:
     hands.press(glfw.KEY_F)
     assert app.state.eye.target == pytest.approx(eye.target)
     assert app.state.light == UNTURNED
-    assert app.lighting.answered == 1  # no eye needs other maps
+    assert app.prefiltering.answered == 1  # no eye needs other maps
 
 
 def test_right_drags_turn_the_light_and_what_is_behind(opened: Opened) -> None:

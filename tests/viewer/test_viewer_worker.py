@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from shrm import Environment, Prefilter, brdf
 from shrm.render import Mesh
-from shrm.viewer.window.lighting import Lighting, Prefiltered, Request
+from shrm.viewer.window.prefiltering import PrefilteredScene, Prefiltering, Request
 from shrm.viewer.window.state import State
 from shrm.viewer.window.worker import StaleError, Worker
 
@@ -97,7 +97,7 @@ def asked(sky: Path, **changes: object) -> Request:
     return Request.of(State(environment=str(sky), **{"materials": ("ggx:0.4",), **changes}))  # type: ignore[arg-type]
 
 
-def last(answers: Iterator[Prefiltered]) -> Prefiltered:
+def last(answers: Iterator[PrefilteredScene]) -> PrefilteredScene:
     return list(answers)[-1]
 
 
@@ -107,12 +107,12 @@ def test_maps_are_those_of_prefilter_and_no_later_request_writes_to_them(
     sky: Path, orders: tuple[int, int] | None
 ) -> None:
     R = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    lighting = Lighting()
-    plain = last(lighting(asked(sky, orders=orders), never))
+    prefiltering = Prefiltering()
+    plain = last(prefiltering(asked(sky, orders=orders), never))
     kept = plain.maps[0].parts[0].rings.copy()
     state = State(environment=str(sky), materials=("ggx:0.4",), orders=orders).with_light(R)
-    turned = last(lighting(Request.of(state), never))
-    other = last(lighting(asked(sky, orders=orders, materials=("ggx:0.6",)), never))
+    turned = last(prefiltering(Request.of(state), never))
+    other = last(prefiltering(asked(sky, orders=orders, materials=("ggx:0.6",)), never))
     assert np.array_equal(plain.maps[0].parts[0].rings, kept)
     assert turned.environment is plain.environment
     assert turned.shapes is plain.shapes
@@ -128,16 +128,16 @@ def test_maps_are_those_of_prefilter_and_no_later_request_writes_to_them(
 
 
 def test_other_objects_keep_their_maps_and_errors_come_second(sky: Path) -> None:
-    lighting = Lighting()
-    first, second = lighting(asked(sky, materials=("lambert:0.5", "phong:8")), never)
+    prefiltering = Prefiltering()
+    first, second = prefiltering(asked(sky, materials=("lambert:0.5", "phong:8")), never)
     assert first.errors is None
     assert second.errors is not None
     assert first.maps == second.maps
     assert len(second.errors) == len(second.shapes) == 2
-    (again,) = lighting(asked(sky, materials=("lambert:0.5", "phong:8")), never)
+    (again,) = prefiltering(asked(sky, materials=("lambert:0.5", "phong:8")), never)
     assert again.errors == second.errors
     assert again.maps == second.maps
-    other = last(lighting(asked(sky, materials=("lambert:0.5", "phong:9")), never))
+    other = last(prefiltering(asked(sky, materials=("lambert:0.5", "phong:9")), never))
     assert [a is b for a, b in zip(other.maps, second.maps, strict=True)] == [True, False]
 
 
@@ -146,28 +146,28 @@ def test_tangents_are_those_of_the_mesh_where_a_material_depends_on_them(sky: Pa
     corners = "v 0 0 0\nv 2 0 0\nv 0 0 1\nv 2 1 1\n"
     bare.write_text(corners + "f 1 2 3\nf 2 4 3\n")
     mesh.write_text(corners + "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\nf 1/1 2/2 3/3\nf 2/2 4/4 3/3\n")
-    lighting, metal = Lighting(), ("ggx:0.4", "0.5*lambert:0.5 + banks:0.5")
+    prefiltering, metal = Prefiltering(), ("ggx:0.4", "0.5*lambert:0.5 + banks:0.5")
     for tangents in ("uv", "principal"):
-        answer = last(lighting(asked(sky, mesh=str(mesh), tangents=tangents, materials=metal), never))
+        answer = last(prefiltering(asked(sky, mesh=str(mesh), tangents=tangents, materials=metal), never))
         expected = Mesh.read(mesh).with_tangents(tangents).tangents
         for shape in answer.shapes:
             assert isinstance(shape, Mesh)
             np.testing.assert_array_equal(shape.tangents, expected)
-    plain = last(lighting(asked(sky, mesh=str(mesh), tangents="axis", materials=metal), never))
-    isotropic = last(lighting(asked(sky, mesh=str(bare), tangents="uv"), never))
+    plain = last(prefiltering(asked(sky, mesh=str(mesh), tangents="axis", materials=metal), never))
+    isotropic = last(prefiltering(asked(sky, mesh=str(bare), tangents="uv"), never))
     assert [getattr(shape, "tangents", 0) for shape in (*plain.shapes, *isotropic.shapes)] == [None] * 3
     with pytest.raises(ValueError, match=r"bare\.obj: no texture coordinates"):
-        next(lighting(asked(sky, mesh=str(bare), tangents="uv", materials=("banks:0.5",)), never))
+        next(prefiltering(asked(sky, mesh=str(bare), tangents="uv", materials=("banks:0.5",)), never))
 
 
 def test_prefiltering_stops_when_it_is_stale(sky: Path) -> None:
     with pytest.raises(StaleError):
-        next(Lighting()(asked(sky), lambda: True))
+        next(Prefiltering()(asked(sky), lambda: True))
 
 
 def test_a_wrong_request_leaves_everything_as_it_was(sky: Path, tmp_path: Path) -> None:
-    lighting = Lighting()
-    before = last(lighting(asked(sky), never))
+    prefiltering = Prefiltering()
+    before = last(prefiltering(asked(sky), never))
     (tmp_path / "garbage.hdr").write_bytes(b"no picture")
     for wrong in (
         asked(tmp_path / "garbage.hdr"),
@@ -176,7 +176,7 @@ def test_a_wrong_request_leaves_everything_as_it_was(sky: Path, tmp_path: Path) 
         asked(sky, mesh=str(tmp_path / "garbage.hdr")),
     ):
         with pytest.raises((ValueError, OSError)):
-            next(lighting(wrong, never))
-    after = last(lighting(asked(sky), never))
+            next(prefiltering(wrong, never))
+    after = last(prefiltering(asked(sky), never))
     assert after.environment is before.environment
     assert np.array_equal(after.maps[0].parts[0].rings, before.maps[0].parts[0].rings)

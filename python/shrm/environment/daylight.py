@@ -16,6 +16,7 @@ import numpy as np
 from shrm import color
 from shrm.arrays import Float32Array, FloatArray
 from shrm.environment import layouts
+from shrm.vectors import golden_azimuths
 
 __all__ = ["RADIANCE_UNIT", "SUN_DIAMETER", "daylight_pixels", "sky_radiance", "sun_irradiance"]
 
@@ -191,7 +192,7 @@ def _spread_sun(sun: FloatArray, size: int) -> FloatArray:
     k = np.arange(_SUN_SAMPLES)
     cap = 1 - math.cos(math.radians(SUN_DIAMETER / 2))
     cosine = 1 - cap * (k + 0.5) / _SUN_SAMPLES
-    angle = k * math.pi * (3 - math.sqrt(5))
+    angle = -golden_azimuths(_SUN_SAMPLES)
 
     # Their directions about the sun, and the texels that they lie in
     aside = np.array([1.0, 0.0, 0.0]) if abs(sun[2]) > 0.9 else np.array([0.0, 0.0, 1.0])

@@ -11,9 +11,7 @@ from shrm.frequency.orders import degree_power
 from shrm.frequency.part import Part
 from shrm.lobes.center import gamma_at
 from shrm.lobes.reflection import Layout
-
-GOLDEN = (np.sqrt(5) - 1) / 2
-"""The golden ratio: its multiples, modulo 1, fill [0, 1) evenly however many there are."""
+from shrm.vectors import GOLDEN_RATIO, golden_azimuths
 
 
 def map_spectrum(part: Part) -> FloatArray:
@@ -93,9 +91,9 @@ def _spiral_frames(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     The numbers step by seven times the golden ratio, and so do not follow the azimuths, which step by one.
     """
     i = np.arange(count) + 0.5
-    z, phi, spin = 1 - 2 * i / count, 2 * np.pi * GOLDEN * i, 2 * np.pi * GOLDEN**2 * i
+    z, phi, spin = 1 - 2 * i / count, golden_azimuths(count, 0.5), 2 * np.pi * GOLDEN_RATIO**2 * i
     s = np.sqrt(1 - z**2)
     C = np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=1)
     x = np.stack([z * np.cos(phi), z * np.sin(phi), -s], axis=1)  # d C / d theta
     across = np.cos(spin)[:, None] * x + np.sin(spin)[:, None] * np.cross(C, x)
-    return C, across, (GOLDEN * 7 * i) % 1
+    return C, across, (GOLDEN_RATIO * 7 * i) % 1

@@ -21,6 +21,7 @@ import numpy.typing as npt
 from shrm import sh
 from shrm.arrays import FloatArray
 from shrm.validation import real_array, require_rotations, whole_number
+from shrm.vectors import golden_spiral
 
 MOST_ORDER = 32
 """The largest order n, degrees 0 to n - 1."""
@@ -137,11 +138,7 @@ def _sampling(n: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
     of them determine degree l, and half as many more keep the condition number of every degree below 10.
     """
     count = 3 * n - 1
-    k = np.arange(count)
-    z = 1 - (k + 0.5) / count
-    phi = 2 * np.pi * k * (np.sqrt(5) - 1) / 2  # by the golden ratio
-    sine = np.sqrt(1 - z * z)
-    directions = np.stack([sine * np.cos(phi), sine * np.sin(phi), z], axis=1)
+    directions = golden_spiral(1 - (np.arange(count) + 0.5) / count)
     Y = sh.evaluate(np.eye(n * n), directions)
     return directions, tuple(np.asarray(np.linalg.pinv(Y[:, l * l : (l + 1) ** 2])) for l in range(n))
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from shrm import brdf
-from shrm.arrays import FloatArray
 from shrm.integrate.angular import prefilter_angular
 from shrm.render import Camera, Object
+from shrm.vectors import golden_spiral
 from shrm.viewer import Context, HardwarePrefilter, Renderer, Scene
 from shrm.viewer.gpu.hardware_prefilter import Filter
 from shrm.viewer.gpu.paraboloid_kernels import TextureFilter, texture_filters
@@ -147,7 +147,8 @@ def _measure(
     renderer, gl = Renderer((edge, edge), context=context), context.gl
     target = gl.framebuffer([gl.texture((edge, edge), 4, dtype="f4")], gl.depth_renderbuffer((edge, edge)))
     shape, camera = ball(), Camera((4.0, 2.0, 1.5), fov=32.0)
-    directions = _spread(DIRECTIONS // (10 if settings.quick else 1))
+    count = DIRECTIONS // (10 if settings.quick else 1)
+    directions = golden_spiral(1 - 2 * (np.arange(count) + 0.5) / count, start=0.5)
 
     measured: dict[int, dict[Filter, Speed]] = {}
     making = 0.0
@@ -172,14 +173,6 @@ def _measure(
                 measured[s][filter] = Speed(filtering, drawing, error)
     renderer.release()
     return measured, making
-
-
-def _spread(n: int) -> FloatArray:
-    """Return directions (n, 3) on a Fibonacci spiral."""
-    i = np.arange(n) + 0.5
-    z, phi = 1 - 2 * i / n, np.pi * (1 + np.sqrt(5)) * i
-    s = np.sqrt(1 - z**2)
-    return np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=1)
 
 
 _SIZES = (

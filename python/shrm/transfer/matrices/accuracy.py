@@ -18,6 +18,7 @@ from shrm.arrays import BoolArray, Float32Array, FloatArray, RealArray
 from shrm.brdf import BRDF
 from shrm.transfer.described import Described
 from shrm.transfer.matrices.product import Product, Route, accumulate, harmonics, product, view_rows
+from shrm.vectors import GOLDEN_RATIO
 
 TENTS = (3, 5, 7, 9, 11, 13, 15, 17, 21, 25)
 """Numbers M among which `chosen` looks for the smallest."""
@@ -137,5 +138,5 @@ def chosen(
 def views() -> FloatArray:
     """Return views (256, 3) of equal solid angles above the horizon: the golden ratio's lattice."""
     k = np.arange(_VIEWS)
-    positions = np.stack([(k + 0.5) / _VIEWS, (k * (np.sqrt(5) - 1) / 2 + 0.25) % 1], axis=1)
+    positions = np.stack([(k + 0.5) / _VIEWS, (k * GOLDEN_RATIO + 0.25) % 1], axis=1)
     return _core.hemisphere_from_square(positions=positions)

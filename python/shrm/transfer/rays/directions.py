@@ -9,6 +9,7 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.validation import whole_number
+from shrm.vectors import golden_spiral
 
 FEWEST_DIRECTIONS, MOST_DIRECTIONS = 16, 65536
 """The smallest and the largest count over a sphere: 8 and 32768 rays of a vertex."""
@@ -46,8 +47,4 @@ def local_directions(count: int = 4096) -> FloatArray:
     #     regular grid by the concentric map          8.2e-3 (.079)   3.6e-3
     #     Sobol points, scrambled, by the same        8.2e-3 (.033)   3.7e-3
     #     jittered cells by the same                 10.3e-3 (.042)   4.6e-3
-    k = np.arange(D)
-    z = (k + 0.5) / D
-    phi = 2 * np.pi * k * (np.sqrt(5) - 1) / 2
-    sine = np.sqrt((1 - z) * (1 + z))
-    return np.stack([sine * np.cos(phi), sine * np.sin(phi), z], axis=1)
+    return golden_spiral((np.arange(D) + 0.5) / D)

@@ -26,10 +26,9 @@ import numpy as np
 from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.cosine_power import profile_at, profile_at_angles
 from shrm.integrate.radial_table import NODES, Profile, channels_last, half_sines, integral_within
+from shrm.vectors import golden_azimuths
 
 Which = Literal["small", "large"]
-
-GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 
 
 @dataclass(frozen=True)
@@ -158,7 +157,7 @@ def _within(profile: Profile) -> FloatArray:
 def taps(profile: Profile, count: int) -> Float32Array:
     """Return directions that share a lobe, by importance: each stands for 1 / count of its integral.
 
-    Angles from the center are the medians of rings of equal energy, azimuths turn by the golden angle.
+    Angles from the center are the medians of rings of equal energy, azimuths turn by the golden ratio.
     The solid angle of a tap is 1 / (count p), p its probability density: light is averaged over as much.
 
     Parameters
@@ -176,7 +175,7 @@ def taps(profile: Profile, count: int) -> Float32Array:
     angles, share = integral_within(profile)
     parts = (np.arange(count) + 0.5) / count
     theta, edges = np.interp(parts, share, angles), np.arange(count + 1) / count
-    phi = GOLDEN_ANGLE * np.arange(count)
+    phi = -golden_azimuths(count)
     of_channels = _within(profile)
     weights = np.diff([np.interp(edges, share, channel) for channel in of_channels.T], axis=1).T
     energy = float(np.abs(of_channels[-1]).sum())

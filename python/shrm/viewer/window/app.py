@@ -17,10 +17,10 @@ from shrm.viewer.window.comparison import Comparison, question_of
 from shrm.viewer.window.drag import Drag, begun, dragged
 from shrm.viewer.window.drawing import Drawing, Faults
 from shrm.viewer.window.keys import draw_keys
-from shrm.viewer.window.lighting import Lighting, Prefiltered, Request
 from shrm.viewer.window.opening import with_file
 from shrm.viewer.window.orbit import spun_light
 from shrm.viewer.window.panel import Facts, Panel
+from shrm.viewer.window.prefiltering import PrefilteredScene, Prefiltering, Request
 from shrm.viewer.window.relit import Choice
 from shrm.viewer.window.screen import Screen
 from shrm.viewer.window.screenshot import save_screenshot
@@ -52,7 +52,7 @@ class Application:
     Attributes
     ----------
     state : State
-    result : Prefiltered or None
+    result : PrefilteredScene or None
         What is drawn.
     fault : str
         The line that the panel shows in red.
@@ -85,9 +85,9 @@ class Application:
         self.drawing = Drawing(self.renderer, self.screen)
         self.controls = Controls(self.window)
         self.panel = Panel()
-        self.lighting: Worker[Request, Prefiltered] = Worker(Lighting(), glfw.post_empty_event)
+        self.prefiltering: Worker[Request, PrefilteredScene] = Worker(Prefiltering(), glfw.post_empty_event)
         self.comparison = Comparison(glfw.post_empty_event)
-        self.result: Prefiltered | None = None
+        self.result: PrefilteredScene | None = None
         self.fault = self.said = self.refused = ""
         self._asked: Request | None = None
         self._expose = self._fit = False
@@ -145,7 +145,7 @@ class Application:
 
     def close(self) -> None:
         """End the workers, free what is on the GPU, close the window."""
-        self.lighting.close()
+        self.prefiltering.close()
         self.comparison.worker.close()
         self.context.activate()
         self.controls.close()
@@ -160,10 +160,10 @@ class Application:
         if request == asked:
             return
         light_only = asked is not None and request == replace(asked, light=request.light)
-        if light_only and self.state.turning and self.lighting.working:
+        if light_only and self.state.turning and self.prefiltering.working:
             return  # light that turns by itself must not outrun its maps: these are drawn first
         self._asked = request
-        self.lighting.submit(request)
+        self.prefiltering.submit(request)
 
     def _turn(self) -> None:
         """Turn the light on by the time that has passed since the last frame, if it turns by itself."""
@@ -175,7 +175,7 @@ class Application:
     def _take(self) -> None:
         """Take newer maps, or the fault that there is instead."""
         try:
-            result = self.lighting.take()
+            result = self.prefiltering.take()
         except Faults as fault:
             if self.result is None:
                 raise
@@ -232,7 +232,7 @@ class Application:
         if self.panel_shown:
             facts = Facts(
                 self.result,
-                self.lighting.working,
+                self.prefiltering.working,
                 self._frame_seconds,
                 self.fault,
                 self.said,
@@ -252,7 +252,7 @@ class Application:
         for action in actions:
             self.act(action)
 
-    def _show(self, result: Prefiltered, shape: tuple[int, int]) -> None:
+    def _show(self, result: PrefilteredScene, shape: tuple[int, int]) -> None:
         """Choose what is shown of what was drawn."""
         if self.state.shown == "maps" or self.state.eye is None:
             self.screen.show_drawn()

@@ -9,13 +9,13 @@ import numpy as np
 from shrm.render.camera import Camera
 from shrm.render.picture import Picture
 from shrm.viewer.window.integration import COARSENESS, Integrated, Integration, Question
-from shrm.viewer.window.lighting import Prefiltered
+from shrm.viewer.window.prefiltering import PrefilteredScene
 from shrm.viewer.window.screen import Screen
 from shrm.viewer.window.state import State
 from shrm.viewer.window.worker import Worker
 
 
-def question_of(result: Prefiltered, state: State, camera: Camera, shape: tuple[int, int]) -> Question:
+def question_of(result: PrefilteredScene, state: State, camera: Camera, shape: tuple[int, int]) -> Question:
     """Return the question for the picture, of a shape (H, W), of what is drawn.
 
     Of an object with transfer that is its material without shadows, in the light that its transfer knows.

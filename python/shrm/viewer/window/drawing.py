@@ -12,8 +12,8 @@ from shrm.viewer.gpu.geometry import bounds
 from shrm.viewer.gpu.renderer import Drawn, Renderer
 from shrm.viewer.gpu.scene import Scene
 from shrm.viewer.window.filtered import FilteredMaterials
-from shrm.viewer.window.lighting import Prefiltered
 from shrm.viewer.window.orbit import Orbit
+from shrm.viewer.window.prefiltering import PrefilteredScene
 from shrm.viewer.window.relit import RelitObject
 from shrm.viewer.window.screen import Screen
 from shrm.viewer.window.state import State
@@ -49,12 +49,12 @@ class Drawing:
         self.seen: tuple[object, ...] = ()
         self.sampled, self.fault = False, ""
 
-    def sample(self, result: Prefiltered, state: State, shape: tuple[int, int], fit: bool) -> State:
+    def sample(self, result: PrefilteredScene, state: State, shape: tuple[int, int], fit: bool) -> State:
         """Draw a sample if the picture has not all of them.
 
         Parameters
         ----------
-        result : Prefiltered
+        result : PrefilteredScene
         state : State
         shape : (H, W)
             Rows and columns of the picture.
@@ -103,7 +103,7 @@ class Drawing:
         self.sampled = True
         return state
 
-    def _lit(self, result: Prefiltered, state: State, camera: Camera) -> tuple[State, Materials]:
+    def _lit(self, result: PrefilteredScene, state: State, camera: Camera) -> tuple[State, Materials]:
         """What was prefiltered; or radiance at the vertices of an object with transfer, none if it fails."""
         thing = result.transferred
         if thing is None:
@@ -114,7 +114,7 @@ class Drawing:
             self.fault = one_line(fault)
             return replace(state, variant=None, components=None, tents=None), ()
 
-    def _filtered(self, result: Prefiltered, state: State, drawn: Materials) -> tuple[State, Materials]:
+    def _filtered(self, result: PrefilteredScene, state: State, drawn: Materials) -> tuple[State, Materials]:
         """The same, or what the GPU filters instead if the state names a filter."""
         if result.transferred is not None:
             return state, drawn

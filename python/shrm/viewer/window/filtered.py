@@ -11,7 +11,7 @@ from shrm.environment import Environment
 from shrm.viewer.gpu.context import Context
 from shrm.viewer.gpu.hardware_prefilter import HardwarePrefilter
 from shrm.viewer.gpu.renderer import Drawn
-from shrm.viewer.window.lighting import Prefiltered
+from shrm.viewer.window.prefiltering import PrefilteredScene
 from shrm.viewer.window.state import Filter, Rows
 
 SIZES = {"two-pass": 256, "exact": 128}
@@ -31,7 +31,7 @@ class FilteredMaterials:
         self._held: dict[int, tuple[tuple[str, Filter], HardwarePrefilter]] = {}
         self._light: dict[int, tuple[Environment, Rows]] = {}
 
-    def drawn_with(self, result: Prefiltered) -> tuple[Drawn, ...]:
+    def drawn_with(self, result: PrefilteredScene) -> tuple[Drawn, ...]:
         """Return what objects are drawn with: the maps there are, or those of the filter that is asked for.
 
         Raises

@@ -10,9 +10,9 @@ from slimgui import imgui
 from shrm import brdf
 from shrm.render.transferred import is_transfer
 from shrm.viewer.window.choices import BY_PATH, NAMED, TANGENTS
-from shrm.viewer.window.lighting import Prefiltered
 from shrm.viewer.window.materials import KINDS, exchanged, kind_of, value_of, with_value
 from shrm.viewer.window.opening import absolute
+from shrm.viewer.window.prefiltering import PrefilteredScene
 from shrm.viewer.window.state import State
 from shrm.viewer.window.widgets import Widgets, disabled, explain
 
@@ -20,7 +20,7 @@ SPHERE = "sphere"
 MOST_OBJECTS = 8
 
 
-def draw_objects(widgets: Widgets, state: State, result: Prefiltered | None) -> State:
+def draw_objects(widgets: Widgets, state: State, result: PrefilteredScene | None) -> State:
     """Draw the section of objects, their materials and their shape; return the state as changed."""
     count = len(state.materials)
     imgui.separator_text("Object" if count == 1 else f"Object {state.selected + 1} of {count}")
@@ -57,7 +57,7 @@ def draw_objects(widgets: Widgets, state: State, result: Prefiltered | None) -> 
     return _tangents(widgets, state, result)
 
 
-def _tangents(widgets: Widgets, state: State, result: Prefiltered | None) -> State:
+def _tangents(widgets: Widgets, state: State, result: PrefilteredScene | None) -> State:
     """The mesh's tangent field, where a material depends on it, or one is chosen that may not be had."""
     maps = () if result is None else result.maps
     about_tangent = any(part.center == "tangent" for rm in maps for part in rm.parts)

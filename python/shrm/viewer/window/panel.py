@@ -19,9 +19,9 @@ from shrm.viewer.window.choices import (
     VIEWERS,
     Action,
 )
-from shrm.viewer.window.lighting import DAYLIGHT, F_MAX, P_MAX, Prefiltered
 from shrm.viewer.window.object_panel import draw_objects
 from shrm.viewer.window.opening import absolute, with_file
+from shrm.viewer.window.prefiltering import DAYLIGHT, F_MAX, P_MAX, PrefilteredScene
 from shrm.viewer.window.state import UNTURNED, State
 from shrm.viewer.window.transfer_panel import draw_transfer
 from shrm.viewer.window.widgets import GREY, RED, WIDTH, YELLOW, Widgets, disabled, explain, wrapped
@@ -38,7 +38,7 @@ class Facts:
 
     Attributes
     ----------
-    result : Prefiltered or None
+    result : PrefilteredScene or None
         What is drawn.
     working : bool
         Whether newer maps are on their way.
@@ -54,7 +54,7 @@ class Facts:
         What lighting the vertices of an object with transfer took.
     """
 
-    result: Prefiltered | None
+    result: PrefilteredScene | None
     working: bool
     frame_seconds: float
     fault: str

@@ -13,14 +13,14 @@ from slimgui import imgui
 
 from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.viewer.window.choices import BY_PATH, DISTANCES, SHOWN_OF_TRANSFER, WINDOWS
-from shrm.viewer.window.lighting import Prefiltered
 from shrm.viewer.window.opening import absolute, with_file
+from shrm.viewer.window.prefiltering import PrefilteredScene
 from shrm.viewer.window.relit import Choice
 from shrm.viewer.window.state import LEAST_TENTS, State
 from shrm.viewer.window.widgets import GREY, Widgets, disabled, explain
 
 
-def draw_transfer(widgets: Widgets, state: State, result: Prefiltered | None, integrated: str) -> State:
+def draw_transfer(widgets: Widgets, state: State, result: PrefilteredScene | None, integrated: str) -> State:
     """Draw the section of an object with transfer; return the state as changed.
 
     `integrated` says how far the integration is; empty if none is asked for.

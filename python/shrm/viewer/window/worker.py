@@ -41,7 +41,7 @@ class Worker(Generic[Q, A]):
         self._changed = threading.Condition()
         self._request: list[Q] = []  # none or one
         self._answer: list[A | Exception] = []  # none or one
-        self._closed = self._busy = False
+        self._closed = self._at_work = False
         self.answered = self.dropped = 0
         self._thread = threading.Thread(target=self._run, name="shrm worker", daemon=True)
         self._thread.start()
@@ -70,16 +70,10 @@ class Worker(Generic[Q, A]):
         return answer
 
     @property
-    def busy(self) -> bool:
-        """Whether there is work, or an answer that was not taken."""
-        with self._changed:
-            return self._busy or bool(self._request) or bool(self._answer)
-
-    @property
     def working(self) -> bool:
         """Whether there is work."""
         with self._changed:
-            return self._busy or bool(self._request)
+            return self._at_work or bool(self._request)
 
     def close(self) -> None:
         """End the thread; work that asks whether it is stale is dropped."""
@@ -95,12 +89,12 @@ class Worker(Generic[Q, A]):
     def _run(self) -> None:
         while True:
             with self._changed:
-                self._busy = False
+                self._at_work = False
                 self._changed.wait_for(lambda: self._closed or bool(self._request))
                 if self._closed:
                     return
                 request = self._request.pop()
-                self._busy = True
+                self._at_work = True
             completed = self._answers(request)
             with self._changed:
                 self.answered += completed

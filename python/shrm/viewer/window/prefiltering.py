@@ -19,8 +19,8 @@ from shrm.environment import Environment
 from shrm.frequency.orders import ToleranceWarning, choose
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.frequency.relight import Prefilter
-from shrm.prefiltered import Prefiltered as Layered
-from shrm.prefiltered import Technique as Earlier
+from shrm.prefiltered import Prefiltered
+from shrm.prefiltered import Technique as EarlierTechnique
 from shrm.prefiltered.explicit import without_azimuth
 from shrm.render.mesh import Mesh
 from shrm.render.row import SUN_AZIMUTH, row_camera
@@ -31,15 +31,15 @@ from shrm.transfer.radiance_transfer import RadianceTransfer
 from shrm.viewer.window.state import UNTURNED, Filter, Rows, State, Technique, Up
 from shrm.viewer.window.worker import StaleError
 
-Drawn = ReflectionMap | Layered
+TechniqueMaps = ReflectionMap | Prefiltered
 
 
-def _layered(rm: ReflectionMap, material: brdf.BRDF, technique: Earlier) -> Drawn:
+def _layered(rm: ReflectionMap, material: brdf.BRDF, technique: EarlierTechnique) -> TechniqueMaps:
     """Return the maps of an earlier technique for the light of a reflection map."""
-    return Layered.from_reflection_map(rm, material, technique=technique)
+    return Prefiltered.from_reflection_map(rm, material, technique=technique)
 
 
-TECHNIQUES: Mapping[Technique, Callable[[ReflectionMap, brdf.BRDF], Drawn]] = {
+TECHNIQUES: Mapping[Technique, Callable[[ReflectionMap, brdf.BRDF], TechniqueMaps]] = {
     "shrm": lambda rm, _: rm,
     "kautz-mccool-3d": lambda rm, _: without_azimuth(rm),
     "kautz-mccool-2d": partial(_layered, technique="kautz-mccool-2d"),
@@ -79,12 +79,12 @@ class Request:
     @classmethod
     def of(cls, state: State) -> Request:
         """Return what a state asks for. An object with transfer is lit where it is drawn, under any light."""
-        wanted = cls(**{item.name: getattr(state, item.name) for item in fields(cls)})
-        return wanted if state.transfer is None else replace(wanted, light=UNTURNED)
+        request = cls(**{item.name: getattr(state, item.name) for item in fields(cls)})
+        return request if state.transfer is None else replace(request, light=UNTURNED)
 
 
 @dataclass(frozen=True, eq=False)
-class Prefiltered:
+class PrefilteredScene:
     """The answer to a request.
 
     Attributes
@@ -112,7 +112,7 @@ class Prefiltered:
     environment: Environment
     shapes: tuple[Shape, ...]
     maps: tuple[ReflectionMap, ...]
-    drawn: tuple[Drawn, ...]
+    drawn: tuple[TechniqueMaps, ...]
     seconds: float
     errors: tuple[float, ...] | None
     notes: tuple[str, ...]
@@ -129,7 +129,7 @@ class Prefiltered:
         return self.environment, self.request.materials, self.shapes
 
 
-class Lighting:
+class Prefiltering:
     """Answers requests in one thread, and keeps what the next one may need again."""
 
     def __init__(self) -> None:
@@ -137,10 +137,10 @@ class Lighting:
         self._mesh: tuple[tuple[str, Up], Mesh] | None = None
         self._tangent_mesh: tuple[tuple[Mesh, Tangents], Mesh] | None = None
         self._shapes: tuple[tuple[Mesh | None, int], tuple[Shape, ...]] | None = None
-        self._objects: list[_Lit] = []
+        self._objects: list[_ObjectMaps] = []
         self._transferred: tuple[str, TransferredMesh] | None = None
 
-    def __call__(self, request: Request, stale: Callable[[], bool]) -> Iterator[Prefiltered]:
+    def __call__(self, request: Request, stale: Callable[[], bool]) -> Iterator[PrefilteredScene]:
         """Yield the maps, then the same with the errors predicted; or an object with transfer.
 
         Raises
@@ -152,8 +152,8 @@ class Lighting:
         """
         if request.transfer is not None:
             environment, notes = self._read_environment(request)
-            thing = self._open_transfer(request.transfer)
-            yield Prefiltered(request, environment, (thing.mesh,), (), (), 0.0, (), notes, thing)
+            placed = self._open_transfer(request.transfer)
+            yield PrefilteredScene(request, environment, (placed.mesh,), (), (), 0.0, (), notes, placed)
             return
         # A wrong one is a fault before anything is changed.
         lobes = [lobe for text in request.materials for lobe in brdf.parse(text).lobes]
@@ -168,18 +168,20 @@ class Lighting:
             if stale():
                 raise StaleError
             if index == len(self._objects):
-                self._objects.append(_Lit())
-            lit = self._objects[index]
-            maps.append(lit.relit(environment, text, request, R))
-            drawn.append(lit.drawn_by(request.technique if request.filter is None else "shrm"))
+                self._objects.append(_ObjectMaps())
+            of_object = self._objects[index]
+            maps.append(of_object.relit(environment, text, request, R))
+            drawn.append(of_object.drawn_by(request.technique if request.filter is None else "shrm"))
         seconds = time.perf_counter() - start
-        known = [thing.error for thing in self._objects]
-        answer = Prefiltered(request, environment, shapes, tuple(maps), tuple(drawn), seconds, None, notes)
+        known = [each.error for each in self._objects]
+        answer = PrefilteredScene(
+            request, environment, shapes, tuple(maps), tuple(drawn), seconds, None, notes
+        )
         if None not in known:
             yield replace(answer, errors=tuple(e for e in known if e is not None))
             return
         yield answer
-        yield replace(answer, errors=tuple(thing.predicted() for thing in self._objects))
+        yield replace(answer, errors=tuple(each.predicted() for each in self._objects))
 
     def _read_environment(self, request: Request) -> tuple[Environment, tuple[str, ...]]:
         key = request.environment, request.layout, request.repair
@@ -233,7 +235,7 @@ class Lighting:
         return self._tangent_mesh[1]
 
 
-class _Lit:
+class _ObjectMaps:
     """One object's maps, followed through changes of light and material."""
 
     def __init__(self) -> None:
@@ -242,8 +244,9 @@ class _Lit:
         self._text = ""
         self._accuracy: object = None
         self._R: FloatArray = np.eye(3)
-        self._map: ReflectionMap | None = None  # given away last
-        self._drawn: tuple[ReflectionMap, Technique, Drawn] | None = None  # made of the map given away last
+        # The map given away last, and what a technique has made of it
+        self._map: ReflectionMap | None = None
+        self._drawn: tuple[ReflectionMap, Technique, TechniqueMaps] | None = None
         self.error: float | None = None
 
     def relit(self, environment: Environment, text: str, request: Request, R: FloatArray) -> ReflectionMap:
@@ -268,7 +271,7 @@ class _Lit:
         self._map = replace(relit, parts=parts)
         return self._map
 
-    def drawn_by(self, technique: Technique) -> Drawn:
+    def drawn_by(self, technique: Technique) -> TechniqueMaps:
         """Return what a technique makes of the maps given away last."""
         assert self._map is not None
         if self._drawn is None or self._drawn[0] is not self._map or self._drawn[1] != technique:
