@@ -14,6 +14,7 @@ from shrm.frequency.orders import analysed
 from shrm.frequency.prefilter import prefilter
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.render import Camera, Object, Sphere, automatic_exposure, display, render
+from shrm.render.drawn_text import drawn_text
 from shrm.render.tonemap import LUMINANCE
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ COLORS = ("#0b6fb8", "#2e8b57", "#e08e0b", "#d1495b")
 DECADES = 3.0
 """From the middle of the polar picture to the peak of the highest lobe."""
 PIXELS = 256
+LONGEST_LIGHT = 32
+"""Characters of the light's name above the sphere."""
 
 
 def material_figure(brdf: BRDF, env: Environment, env_name: str, tolerance: float = 0.03) -> Figure:
@@ -66,7 +69,8 @@ def material_figure(brdf: BRDF, env: Environment, env_name: str, tolerance: floa
     _sphere(figure.add_subplot(grid[0, 1]), rm, env_name)
     _spectrum(figure.add_subplot(grid[1, 0]), energy, captured)
     _accuracy(figure.add_subplot(grid[1, 1]), energy, captured)
-    figure.suptitle(brdf.name, fontsize=13, parse_math=False)
+    name = drawn_text(brdf.name)
+    figure.suptitle(name.text, fontsize=13, parse_math=False, family=name.family)
     return figure
 
 
@@ -138,10 +142,12 @@ def _sphere(axes: Axes, rm: ReflectionMap, env_name: str) -> None:
     axes.set(xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
     core = "" if rm.residual is None else ", peak apart (residual)"
+    light = drawn_text(env_name, LONGEST_LIGHT)
     axes.set_title(
-        f"under {env_name}: F = {rm.F}, P = {rm.P}{core}, predicted error {rm.error:.1%}",
+        f"under {light.text}: F = {rm.F}, P = {rm.P}{core}, predicted error {rm.error:.1%}",
         fontsize=9,
         parse_math=False,
+        family=light.family,
     )
 
 
