@@ -1,4 +1,4 @@
-// What the two integrators take: directions, and the tables of lobes.
+// Arguments of the two integrators: directions, and the tables of lobes.
 #pragma once
 
 #include <span>

@@ -3,7 +3,7 @@
 
 namespace {
 
-// Best first. SHRM_X86 says that the builds for x86-64-v3 and v4 exist.
+// Instruction sets, the best first. SHRM_X86 says that the builds for x86-64-v3 and v4 exist.
 PyObject* instruction_sets(PyObject*, PyObject*) {
 #ifdef SHRM_X86
     __builtin_cpu_init();

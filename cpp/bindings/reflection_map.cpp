@@ -57,7 +57,7 @@ Array<double> global_coefficients(const Array<double>& light, const Array<double
     });
 }
 
-// It works in memory of its own, so it runs for one caller at a time.
+// Runs for one caller at a time: it works in memory of its own.
 struct MapCoefficientsPlan {
     int F, P, channels;
     MapCoefficients product;

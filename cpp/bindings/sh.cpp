@@ -55,13 +55,13 @@ Array<float> cube_synthesis(const Array<double>& coefficients, int N) {
     });
 }
 
-// What a plan reads or writes.
+// An array that a plan reads or writes: its name and its shape.
 struct Argument {
     const char* name;
     std::vector<py::ssize_t> shape;
 };
 
-// A transform with its arguments. It works in memory of its own, so it runs for one caller at a time.
+// A transform with its arguments; runs for one caller at a time, since it works in memory of its own.
 template <class Transform, class In, class Out>
 struct Plan {
     Transform transform;

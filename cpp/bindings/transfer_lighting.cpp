@@ -97,7 +97,7 @@ void rows_of_vertices(const py::array& rows, const Array<float>& light, Array<fl
     light_rows(values, vertices, channels, in, out);
 }
 
-// It works in memory of its own, so it runs for one caller at a time.
+// Runs for one caller at a time: it works in memory of its own.
 struct CompressedPlan {
     CompressedTransfer transfer;
     std::mutex busy;

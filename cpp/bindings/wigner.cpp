@@ -27,7 +27,7 @@ Array<double> rotate(const Array<double>& coefficients, const Array<double>& R) 
     });
 }
 
-// It works in memory of its own, so it runs for one caller at a time.
+// Runs for one caller at a time: it works in memory of its own.
 struct RotationPlan {
     int F, channels;
     Rotation rotation;

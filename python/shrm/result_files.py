@@ -1,4 +1,4 @@
-"""Files of results of prefiltering: what they hold, by their content, and one function that reads any."""
+"""Reading files of any result of prefiltering, whose content tells which it is."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from shrm.lobes.reflection import Reflection
 from shrm.prefiltered import Prefiltered
 
 Kind = Literal["reflection map", "prefiltered", "angular", "hierarchical"]
-"""What a file holds: a map in frequency space, maps of earlier techniques, or what an integrator needs."""
+"""Content of a file: a map in frequency space, maps of earlier techniques, or tables of an integrator."""
 
 CLASSES: dict[
     Kind, type[ReflectionMap] | type[Prefiltered] | type[AngularReflection] | type[HierarchicalReflection]
@@ -28,7 +28,7 @@ CLASSES: dict[
 
 
 def kind_of(path: PathLike) -> Kind | None:
-    """Return what a picture file holds, None if that is no result of prefiltering.
+    """Return the kind of result in a picture file; None if it holds no result of prefiltering.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def kind_of(path: PathLike) -> Kind | None:
 
 
 def load(path: PathLike) -> Reflection:
-    """Read any result that was saved: content tells the class.
+    """Read any result that was saved; its content tells the class.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How many threads this process is to use, on any system."""
+"""The number of threads that this process is to use, on any system."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import os
 
 
 def thread_count() -> int:
-    """Return how many threads to start: as many as OMP_NUM_THREADS says, else as there are processors to use.
+    """Return the number of threads to start: OMP_NUM_THREADS if it is set, else the number of processors.
 
-    The core's OpenMP goes by the same. Processors are those that this process may use where the system knows
-    (Linux), else all of the machine.
+    OpenMP in the core follows the same rule. Processors are those that this process may use where the system
+    tells (Linux), else all of the machine.
     """
     first_level = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
     if first_level.isascii() and first_level.isdecimal() and int(first_level) > 0:

@@ -274,7 +274,7 @@ def test_rotation_by_a_column_is_a_shift() -> None:
     a = 2 * math.pi / w * 5  # towards +y, that is to the left
     R = np.array([[math.cos(a), -math.sin(a), 0], [math.sin(a), math.cos(a), 0], [0, 0, 1]])
     result = layouts.convert(pixels, "latlong", "latlong", (h, w), R)
-    # 1e-6 of a texel stays with the neighbours
+    # 1e-6 of a texel stays with the neighbors
     assert result == pytest.approx(np.roll(pixels, -5, axis=1), abs=1e-4)
 
 

@@ -161,13 +161,13 @@ def test_not_finite_is_refused_with_its_place(tmp_path: Path, pixels: Pixels) ->
         image_io.read_image(tmp_path / "a.exr")
 
 
-def test_repair_takes_the_neighbours(tmp_path: Path) -> None:
+def test_repair_takes_the_neighbors(tmp_path: Path) -> None:
     i, j = np.mgrid[0:9, 0:9]
     ramp = np.repeat((i + 2 * j)[..., None], 3, axis=2).astype(np.float32)
     holed = ramp.copy()
     holed[4, 4] = np.nan
     write_raw(tmp_path / "a.exr", holed)
-    with pytest.warns(ImageWarning, match="replaced by the mean of their neighbours"):
+    with pytest.warns(ImageWarning, match="replaced by the mean of their neighbors"):
         assert image_io.read_image(tmp_path / "a.exr", repair=True).pixels == pytest.approx(ramp)
     holed[1:8, 1:8] = np.inf
     write_raw(tmp_path / "b.exr", holed)

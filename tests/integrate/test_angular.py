@@ -143,7 +143,7 @@ def test_truncation_leaves_out_what_it_may(cutoff):
         (phong(128), (normals, views), 0.0),
         (lambert(), (normals, views), 0.0),
         (zonal(oracles.kajiya_kay(16)), (normals, hair_views, tangents), 0.0),
-        # Caps of neighbouring views are interpolated: an extra thousandth.
+        # Caps of neighboring views are interpolated: an extra thousandth.
         (isotropic(oracles.ggx(0.2)), (normals, views), 1e-3),
         (isotropic(oracles.microfacet(0.3)), (normals, views), 1e-3),
     ]

@@ -38,7 +38,7 @@ struct ViewPlace {
     }
 };
 
-// What to visit: the lobe's cap or the hemisphere, whichever is smaller.
+// The cap that a query visits: the lobe's or the hemisphere, whichever is smaller.
 struct Visit {
     glm::dvec3 axis;
     double outer;

@@ -72,7 +72,7 @@ struct SharedView {
     bool is(const glm::dvec3& v) const { return glm::length(v - view) < 1e-12; }
 };
 
-// What all queries use.
+// The arrays and the lobe that all queries use.
 struct Setting {
     Nodes nodes;
     Planes planes;
@@ -89,7 +89,7 @@ struct Setting {
 
     bool tabulates(const glm::dvec3& view) const { return !shared.half.empty() && shared.is(view); }
 
-    // Of row `node` and column b of nodes, from column `begin` of the picture on.
+    // Half vectors of row `node` and column b of nodes, from column `begin` of the picture on.
     ComputedHalfVectors computed(const glm::dvec3& view, int node, int b, int begin) const {
         const std::size_t at = size(b * row_length(nodes.W) + begin);
         return {columns.cos_phi.data() + at,
@@ -124,8 +124,8 @@ void tabulate_half_vectors(Setting& setting) {
         }
 }
 
-// Whether a table of half vectors pays: its queries visit several times as many nodes as it has, and it lies
-// in the last cache beside the picture. One from memory takes as long to read as half vectors to find.
+// True if a table of half vectors pays: its queries visit several times as many nodes as it has, and it fits
+// the last cache beside the picture. In memory it would take as long to read as half vectors to compute.
 bool worth_sharing(const Setting& setting, std::span<const Cap> caps, std::span<const glm::dvec3> views) {
     constexpr double times = 4, bytes = 1 << 23;
     const Nodes& nodes = setting.nodes;
@@ -222,7 +222,7 @@ void half_angles(const Picture& picture, const RadialProfile& profile, std::span
     if (share && worth_sharing(setting, caps, views)) tabulate_half_vectors(setting);
     const std::size_t blocks = (normals.size() + queries_at_once - 1) / queries_at_once;
     for_each_query<Scratch>(blocks, [&](std::size_t block, Scratch& s) {
-        // What the block's queries visit.
+        // The caps that the block's queries visit, and the rows of all
         const Cubics<held> u(profile, 0);
         const std::size_t from = block * queries_at_once,
                           count = std::min<std::size_t>(queries_at_once, normals.size() - from);

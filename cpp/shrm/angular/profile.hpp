@@ -124,7 +124,7 @@ struct ComputedHalfVectors {
     }
 };
 
-// What a query and a row of nodes have in common: g N, and N.L = sin_theta height + rest.
+// Constants of a query and a row of nodes: g N, and N.L = sin_theta height + rest.
 struct HalfAngleRow {
     glm::vec3 n;
     float sin_theta, rest;

@@ -1,4 +1,4 @@
-// What every kind of lobe shares: the picture's planes, and queries dealt out to threads. Private to angular.
+// Shared by all kinds of lobe: the picture's planes, and queries dealt out to threads. Private to angular.
 #pragma once
 
 #include <vector>

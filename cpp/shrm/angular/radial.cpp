@@ -123,7 +123,7 @@ void integrate_center(const Nodes& nodes, const Planes& planes, const RadialProf
         sum_weights<held>(nodes, planes, profile, s, out);
 }
 
-// ---- A whole map: neighbouring columns of a row at once
+// ---- A whole map: neighboring columns of a row at once
 
 struct Map {
     int H, W;
@@ -134,7 +134,7 @@ struct Map {
 };
 
 // The columns of a picture sorted by their remainder, columns_apart of them, so that the texels under
-// neighbouring columns of the map are neighbours: [H][channel][remainder][length].
+// neighboring columns of the map are neighbors: [H][channel][remainder][length].
 struct Sorted {
     int columns_apart, period, length;
     std::vector<float> values;
@@ -204,13 +204,13 @@ struct SlideScratch {
     std::vector<float> weight;
 };
 
-// The kernels of neighbouring rows of the map, each 0 where its own cap ends.
+// The kernels of neighboring rows of the map, each 0 where its own cap ends.
 template <bool held>
 void find_kernels(const Nodes& nodes, const RadialProfile& profile, SlideScratch& s) {
     s.rows.clear();
     s.kernel.clear();
     s.weight.resize(size(round_up(nodes.W, most_lanes)));
-    // Where each cap is in its own list of rows.
+    // The place of each cap in its own list of rows
     const Row* own[map_rows] = {};
     const Row* end[map_rows] = {};
     for (int r = 0; r < map_rows; ++r) {

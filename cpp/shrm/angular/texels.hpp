@@ -144,7 +144,7 @@ class Reach {
     }
 
   public:
-    int first = 0, last = 0;  // rows that there is anything in, and maybe their neighbours
+    int first = 0, last = 0;  // rows that there is anything in, and maybe their neighbors
 
     void find(const Nodes& nodes, const Center& about, const Band& band) {
         const double per_radian = nodes.W / (2 * pi), touch = nodes.k > 1 ? 0.5 : 1e-9;
@@ -170,7 +170,7 @@ class Reach {
             begins[i] = all ? whole : begin;
             ends[i] = all ? whole + W : outer[i] < 0 ? begin : end;
         }
-        // What lies within the inner angle is left out of them.
+        // The part of the rows within the inner angle is left out.
         hole_begin_.resize(size(nodes.H));
         hole_end_.resize(size(nodes.H));
         for (std::size_t i = from; i < to; ++i) hole_begin_[i] = hole_end_[i] = end_[i];

@@ -34,8 +34,8 @@ class AdaptiveParameterization {
     // f_r cos(theta_o), (count, 3): i is pairs.wo, o is pairs.wi.
     void evaluate(const DirectionPairs& pairs, std::span<double> values) const;
 
-    // Where the values are looked up, (count, 3): the place of theta_i among the slices, from 0 to slices -
-    // 1, y and x.
+    // The places at which the values are looked up, (count, 3): that of theta_i among the slices, from 0 to
+    // slices - 1, y and x.
     void samples(const DirectionPairs& pairs, std::span<double> samples) const;
 
   private:

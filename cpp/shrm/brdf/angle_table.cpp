@@ -34,7 +34,7 @@ void half_angles(const d8vec3& wi, const d8vec3& wo, d8 (&angles)[3]) {
     angles[2] = arc_tangent(d_y < 0 ? -d_y : d_y, d_x);
 }
 
-// Where eight pairs lie among the nodes of the three axes, clamped to [0, n - 1].
+// The places of eight pairs among the nodes of the three axes, clamped to [0, n - 1].
 class Positions {
   public:
     explicit Positions(const AngleAxes& axes) : axes_(axes) {

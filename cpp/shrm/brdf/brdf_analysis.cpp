@@ -16,7 +16,7 @@ double sum_of_lanes(d8 v) {
     return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
 }
 
-// What one view takes, a colatitude to a lane; the last lanes are zero.
+// The memory that the projection of one view takes, a colatitude to a lane; the last lanes are zero.
 struct Workspace {
     Workspace(const TransferTable& t, int L, int Q)
         : groups(round_up(t.I, unrolled * at_once) / at_once),

@@ -19,10 +19,10 @@ namespace shrm::hierarchical {
 // Targets that descend together, and best lie close together: as many as the widest vectors have lanes.
 inline constexpr int block = angular::most_lanes;
 
-// How far to descend. A node is split while its children's kernels, weighted by their brightness, differ from
-// its own by more than `threshold` times the mean over all targets: the `integral` of the lobe by the
+// The depth of a descent. A node is split while its children's kernels, weighted by their brightness, differ
+// from its own by more than `threshold` times the mean over all targets: the `integral` of the lobe by the
 // picture's mean brightness. Where a lobe could hide between samples, nodes are split down to `finest`
-// radians whatever they say. At threshold 0 every texel is visited that the lobe reaches.
+// radians whatever their kernels are. At threshold 0 every texel is visited that the lobe reaches.
 struct Descent {
     double threshold;
     double integral;
@@ -36,7 +36,7 @@ struct Heights {
     double below = std::numeric_limits<double>::infinity();
 };
 
-// What was done: kernel evaluations, for targets each.
+// The work of a descent: evaluations of the kernel for each target.
 struct Effort {
     double evaluations;
 };
@@ -47,7 +47,7 @@ Effort integrate_radial(const Pyramid& pyramid, const angular::RadialProfile& pr
                         const Descent& descent, std::span<const glm::dvec3> centers, std::span<float> out);
 
 // The same for each axis, the view at theta_o, in radians, from it. The lobe could hide within the profiles'
-// bands, and is nothing outside of `supports`, one for each row too.
+// bands, and is negligible outside of `supports`, one for each row too.
 Effort integrate_zonal(const Pyramid& pyramid, const angular::ZonalProfiles& profiles,
                        std::span<const angular::Band> supports, const Descent& descent,
                        std::span<const glm::dvec3> axes, std::span<const double> theta_o,

@@ -8,7 +8,7 @@
 namespace shrm::hierarchical {
 namespace {
 
-// Of the finest nodes, for views at the horizon.
+// Smallest factor on the size of the finest nodes: the one for views at the horizon.
 inline constexpr double least = 0.1;
 
 template <int channels_>

@@ -13,7 +13,7 @@ namespace shrm {
 
 class Pyramid {
   public:
-    // Of a lat-long picture (H, W, 3), whose texels count as points of their power.
+    // The pyramid of a lat-long picture (H, W, 3), whose texels count as points of their power.
     Pyramid(std::span<const float> pixels, int H, int W);
 
     // A node or a texel: eight values, so that two lie in a line of the cache.

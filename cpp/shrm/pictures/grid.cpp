@@ -24,7 +24,7 @@ struct Polygon {
     std::array<glm::dvec2, 8> corner;
     std::size_t count = 0;
 
-    // What lies where sign * (p[axis] - bound) >= 0.
+    // The part of the polygon where sign * (p[axis] - bound) >= 0.
     Polygon cut(int axis, double bound, double sign) const {
         Polygon kept;
         for (std::size_t k = 0; k < count; ++k) {
@@ -73,7 +73,7 @@ class Cutter {
           other_width_(other_width),
           other_areas_(other_areas) {}
 
-    // Of texel (i, j), of solid angle `area`, with texels of at least `smallest`.
+    // The parts of texel (i, j), of solid angle `area`, in texels whose solid angles are at least `smallest`.
     const std::vector<Part>& cut(int i, int j, double area, double smallest) {
         constexpr double edge = 1e-7;  // stays off the edges, where seams may be
         parts_.clear();
@@ -150,15 +150,15 @@ class Cutter {
         return glm::length(middle.at - 0.5 * (from.at + to.at));
     }
 
-    // Whether edges that bend so much are straight, measured by the width: slivers are common where
-    // a picture draws a single direction out to a line, as round the rim of a probe.
+    // True if edges that bend by so much are straight, measured by the width: slivers are common where a
+    // picture draws a single direction out to a line, as round the rim of a probe.
     static bool straight(const Polygon& quad, double bend) {
         const double length = std::max(glm::length(quad.corner[2] - quad.corner[0]),
                                        glm::length(quad.corner[3] - quad.corner[1]));
         return bend * length <= most_bend * quad.area();
     }
 
-    // Whether the corners are nearly those of a parallelogram: none is beyond a seam.
+    // True if the corners are nearly those of a parallelogram: then none is beyond a seam.
     static bool whole(const std::array<Point, 4>& p) {
         const glm::dvec2 one = p[2].at - p[0].at, two = p[3].at - p[1].at;
         const glm::dvec2 twist = p[0].at + p[2].at - p[1].at - p[3].at;
@@ -185,7 +185,7 @@ class Cutter {
         }
     }
 
-    // What of a polygon from low to high lies in [line, line + 1].
+    // The part of a polygon, which reaches from low to high, that lies in [line, line + 1].
     static Polygon between(const Polygon& polygon, int axis, int line, double low, double high) {
         Polygon part = polygon;
         if (low < line) part = part.cut(axis, line, 1);
@@ -249,7 +249,7 @@ void multiply(const std::vector<OverlapRow>& own, const std::vector<OverlapRow>&
             sums[static_cast<std::size_t>(i) * width + j] = sum;
         }
     }
-    // In order, so that the result does not depend on the number of threads.
+    // Added up in order, so that the result does not depend on the number of threads.
     for (std::size_t i = 0; i < other.size(); ++i)
         for (std::size_t j = 0; j < other_width; ++j)
             for (std::size_t k = other[i].first[j]; k < other[i].first[j + 1]; ++k)

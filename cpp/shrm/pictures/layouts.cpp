@@ -205,7 +205,7 @@ dvec2 Disc::position(const dvec3& d) const {
 Box Disc::box(int i, int j) const {
     const double radius = size_ / 2.0, middle = center(j + 0.5);
     const double x0 = j - middle, x1 = x0 + 1, y0 = i - radius, y1 = y0 + 1;
-    // How far the disc reaches in x, at the texel's y that is nearest to the center; and in y.
+    // The reach of the disc in x, at the texel's y that is nearest to the center, and likewise in y
     const double reach_x = std::sqrt(std::max(0.0, square(radius) - square(std::clamp(0.0, y0, y1))));
     const double reach_y = std::sqrt(std::max(0.0, square(radius) - square(std::clamp(0.0, x0, x1))));
     return {middle + std::max(x0, -reach_x), radius + std::max(y0, -reach_y), middle + std::min(x1, reach_x),
@@ -213,7 +213,7 @@ Box Disc::box(int i, int j) const {
 }
 
 double Disc::solid_angle(int i, int j) const {
-    // By symmetry in the first quadrant; a texel across an axis is two mirror images.
+    // Texels are folded into the first quadrant; one across an axis is two mirror images.
     const double radius = size_ / 2.0;
     double x0 = (j - center(j + 0.5)) / radius, x1 = (j + 1 - center(j + 0.5)) / radius;
     double y0 = (i - radius) / radius, y1 = (i + 1 - radius) / radius;
@@ -234,8 +234,8 @@ double Disc::quadrature(double x0, double x1, double y0, double y1) const {
                                                               {0.5, 0.284444444444444},
                                                               {0.769234655052842, 0.239314335249683},
                                                               {0.953089922969332, 0.118463442528095}}};
-    // In a, y = sin a, the rim x = cos a is smooth up to its top. It enters the columns of the
-    // texel at the first of these heights and leaves them at the second.
+    // With y = sin a as the variable, the rim x = cos a is smooth up to its top. It enters the columns
+    // of the texel at the first of these heights and leaves them at the second.
     const double enters = std::acos(std::min(1.0, x1)), leaves = std::acos(x0);
     const double first = std::asin(y0), last = std::asin(std::min(1.0, y1));
     const std::array<double, 3> breaks{first, std::clamp(enters, first, last),

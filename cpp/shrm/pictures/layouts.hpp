@@ -54,8 +54,8 @@ class LatLong {
 // with s and t in [-1, 1]. `inset` as above.
 class Cube {
   public:
-    // The face that looks along one axis: what is up in it, and the cell of the picture it fills.
-    // Its right is cross(forward, up).
+    // The face that looks along one axis: its upward direction, and the cell of the picture it fills.
+    // The direction to its right is cross(forward, up).
     struct Face {
         glm::dvec3 up;
         int column, row;

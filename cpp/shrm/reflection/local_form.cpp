@@ -28,7 +28,7 @@ std::size_t rho_index(int l, int p, int q, int P, int channels, int c) {
     return ((size(l) * size(P + 1) + size(p)) * size(P + 1) + size(q)) * size(channels) + size(c);
 }
 
-// What all rings of a local map share.
+// The sizes, coefficients and recurrences that all rings of a local map share.
 struct LocalForm {
     int F, P, channels;
     std::span<const double> rho;

@@ -126,7 +126,7 @@ void MapCoefficients::sum_degree(int j, double* b, double* coefficients) const {
 
 void MapCoefficients::run(std::span<const double> light, std::span<double> coefficients) {
     const std::size_t n = size(channels_);
-    // Of a series about C every coefficient is a product.
+    // In a series about C every coefficient is a product.
     if (zonal_) {
         const std::size_t width = size(P_ + 1) * n;
         for (int l = 0; l <= F_; ++l)

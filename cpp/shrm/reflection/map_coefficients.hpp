@@ -43,7 +43,7 @@ class MapCoefficients {
         int p, q;
         std::vector<Term> terms;
     };
-    // What material and degrees contribute, the same for all q and k.
+    // The factors of material and degrees, the same for all q and k.
     struct Shape {
         int p, l;
         std::size_t first;  // of min(l, p) + 1 factors, for rho_lps

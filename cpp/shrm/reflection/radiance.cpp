@@ -70,8 +70,9 @@ void interpolation_weights(const d8& t, bool bilinear, d8 (&w)[4]) {
     w[2] = -0.5 * (t + 1) * t * (t - 2), w[3] = 1. / 6 * (t + 1) * t * (t - 1);
 }
 
-// Where a point looks: four rows and four columns from (row, column), with their weights. Counted from the
-// first that any look takes: a cube's first, and two before a lat-long map's.
+// The texels that a point looks up: four rows and four columns from (row, column), with their weights. Rows
+// and columns are counted from the first that any look takes: a cube's first, and two before a lat-long
+// map's.
 struct Look {
     glm::dvec3 view;  // what the harmonics are taken of; if zonal, z = C.V
     std::array<float, 4> row_weights;

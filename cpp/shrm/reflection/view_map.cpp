@@ -30,8 +30,9 @@ struct Weights {
 
 // The sum of weight times map over the maps, for a vector of texels.
 #if defined(__AVX512F__)
-// As two vectors of eight: where memory is the limit they are no slower, and maps need not begin where lines
-// of the cache do, nor sixteen halves be converted at once, which costs some processors (Zen 4) a third more.
+// Two vectors of eight stand for one of sixteen: where memory is the limit they are no slower, and maps need
+// not begin where lines of the cache do, nor sixteen halves be converted at once, which costs some processors
+// (Zen 4) a third more.
 class Sum {
     __m256 low_ = _mm256_setzero_ps(), high_ = _mm256_setzero_ps();
 

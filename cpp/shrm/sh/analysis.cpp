@@ -100,8 +100,8 @@ Analysis::Analysis(int H, int W, int channels, int F, Texel texel, Tables tables
       nodes_(1),
       fourier_(W, F),
       recurrence_(F) {
-    // In theta: the sum over a ring's nodes of weight f_lm(node) is f_lm sin(theta) dtheta for samples, its
-    // integral over the row for areas.
+    // Weights in theta: the sum over a ring's nodes of weight f_lm(node) is f_lm sin(theta) dtheta for
+    // samples, its integral over the row for areas.
     const double row = pi / H, step = 2 * pi / W;
     std::vector<double> offsets{0.}, weights{1.}, fejer;
     if (texel == Texel::area) {
@@ -122,12 +122,12 @@ Analysis::Analysis(int H, int W, int channels, int F, Texel texel, Tables tables
             sine_[at] = std::sin(theta);
             weight_[at] = texel == Texel::sample ? fejer[size(i)] : weights[size(g)] * row / 2 * sine_[at];
         }
-    // In phi: dphi for samples, the integral of cos(m phi) over a texel for areas.
+    // Weights in phi: dphi for samples, the integral of cos(m phi) over a texel for areas
     for (int m = 0; m <= F; ++m) {
         const double half = m * step / 2, sinc = m == 0 || texel == Texel::sample ? 1 : std::sin(half) / half;
         order_weight_.push_back(step * sinc * (m ? std::numbers::sqrt2 : 1));
     }
-    // Where each of the Fourier transform's modes goes; -1 where it has none.
+    // The place that each output of the Fourier transform goes to; -1 where it holds no mode
     modes_.assign(size(F + 1) * size(4 * channels) * size(padded_), 0);
     place_.assign(size(fourier_.mode_pitch()), -1);
     for (int m = 0; m <= F; ++m)
@@ -177,7 +177,7 @@ void Analysis::fourier_step(const float* pixels, int first_ring, Scratch& scratc
     }
     fourier_.analyse(scratch.folded.data(), rows, scratch.modes.data());
 
-    // To their places: rings side by side, whole squares of them by transposition.
+    // Modes to their places: rings side by side, whole squares of them by transposition
     const std::size_t pitch = size(fourier_.mode_pitch()), apart = 2 * size(channels_) * pitch;
     for (int parity = 0; parity < 2; ++parity)
         for (int c = 0; c < channels_; ++c) {

@@ -12,14 +12,14 @@
 
 namespace shrm {
 
-// What a texel stands for (and so the quadrature of the analysis).
+// The meaning of a texel, which decides the quadrature of the analysis.
 enum class Texel {
     sample,  // the value at its center: Fejer's first rule, exact for degrees F <= H/2 - 1
     area     // a constant over its area: the exact integral of Y_lm over each texel
 };
 
-// Whether the table of f_lm is made once and kept, for repeated runs, or order by order on the way, for a
-// single one. A larger table is never kept: a plan's memory has a bound.
+// The table of f_lm: made once and kept, for repeated runs, or made order by order on the way, for a single
+// one. A larger table is never kept: a plan's memory has a bound.
 enum class Tables { kept, transient };
 inline constexpr std::size_t largest_kept_table = std::size_t(64) << 20;  // bytes
 
@@ -27,8 +27,8 @@ inline constexpr std::size_t largest_kept_table = std::size_t(64) << 20;  // byt
 // of g(theta) sin(theta) over [0, pi], exact for polynomials in cos(theta) of degree below H [W06].
 std::vector<double> fejer_weights(int H);
 
-// All that depends on the sizes alone, and the memory to work in: repeated runs allocate nothing, and go one
-// after the other.
+// Analysis of pictures of one size: all that depends on sizes alone, and the memory to work in. Repeated runs
+// allocate nothing, and go one after the other.
 class Analysis {
   public:
     Analysis(int H, int W, int channels, int F, Texel texel, Tables tables);

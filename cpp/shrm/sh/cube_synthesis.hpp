@@ -14,9 +14,9 @@
 
 namespace shrm {
 
-// What depends on the sizes alone, and the memory to work in: repeated runs allocate nothing, and go one
-// after the other. The basis is made anew for a few texels at a time: a table of it would take as long to
-// read.
+// Synthesis on a cube of one size: the tables that depend on sizes alone, and the memory to work in. Repeated
+// runs allocate nothing, and go one after the other. The basis is made anew for a few texels at a time: a
+// table of it would take as long to read.
 class CubeSynthesis {
   public:
     // Faces of N x N texels, N even, with the border of radiance.hpp.

@@ -13,7 +13,7 @@ class RingFourier {
   public:
     RingFourier(int W, int max_order);
 
-    // Rows are folded and transformed so many at a time; their number is rounded up to a multiple of it.
+    // The number of rows that are folded and transformed at a time; that of all is rounded up to a multiple.
     static constexpr int row_block = 12;
 
     // Folds `count` rings, planar (count, W), to the rows from `first` on of folded (folds(), rows, pitch()).

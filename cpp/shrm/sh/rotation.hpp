@@ -9,8 +9,8 @@
 
 namespace shrm {
 
-// What depends on the degree alone, and the memory to work in: repeated runs allocate nothing, and go one
-// after the other.
+// Rotation of coefficients up to one degree: the tables that depend on it alone, and the memory to work in.
+// Repeated runs allocate nothing, and go one after the other.
 class Rotation {
   public:
     Rotation(int F, int channels);

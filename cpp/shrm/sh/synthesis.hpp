@@ -12,8 +12,8 @@
 
 namespace shrm {
 
-// All that depends on the sizes alone, and the memory to work in: repeated runs allocate nothing, and go one
-// after the other.
+// Synthesis on a grid of one size: all that depends on sizes alone, and the memory to work in. Repeated runs
+// allocate nothing, and go one after the other.
 class Synthesis {
   public:
     Synthesis(int H, int W, int channels, int F, Tables tables);

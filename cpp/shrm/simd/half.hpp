@@ -29,8 +29,8 @@ inline float float_from(float value) {
     return value;
 }
 
-// To the nearest, ties to even; from 65520 on infinity, and NaN stays NaN, as the processor's own conversion
-// has it.
+// Rounds to the nearest half, ties to even; from 65520 on to infinity, and NaN stays NaN, as in the
+// processor's own conversion.
 inline Half half_from(float value) {
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(value), sign = bits >> 16 & 0x8000u;
     const std::uint32_t magnitude_bits = bits & 0x7fffffffu;

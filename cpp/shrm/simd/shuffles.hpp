@@ -24,8 +24,8 @@ SHRM_INLINE Floats reversed(Floats v) {
     return shuffled<[](int i) { return lanes - 1 - i; }>(v, v);
 }
 
-// Where three channels are interleaved in three vectors, each lane holds a channel in one of them alone: the
-// second vector's lanes where that is vector V, the first one's elsewhere.
+// The lanes of one channel, where three channels are interleaved in three vectors and each lane holds a
+// channel in one of them alone: the second vector's lanes where that is vector V, the first one's elsewhere.
 template <int V, int channel>
 struct WithChannel {
     static_assert(lanes % 3 != 0);
@@ -83,7 +83,7 @@ SHRM_INLINE void store_interleaved(float* to, Floats a, Floats b, Floats c) {
     });
 }
 
-// Of each two blocks of `apart` lanes the first (0) or the second (1); odd blocks of the result from the
+// The first (0) or the second (1) of each two blocks of `apart` lanes; odd blocks of the result are from the
 // second vector.
 template <int apart, int which>
 struct EveryOther {

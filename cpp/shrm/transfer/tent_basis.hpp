@@ -36,7 +36,7 @@ FourTents four_tents(int M, const glm::dvec3& w);
 void evaluate_tents(std::span<const double> coefficients, int channels, int M,
                     std::span<const glm::dvec3> directions, std::span<double> values);
 
-// Its adjoint: sums(j, c) = sum over n of g_j(w_n) values(n, c).
+// The adjoint of the evaluation: sums(j, c) = sum over n of g_j(w_n) values(n, c).
 //   values (n, channels), sums (M^2, channels)
 void accumulate_tents(std::span<const double> values, int channels, int M,
                       std::span<const glm::dvec3> directions, std::span<double> sums);

@@ -64,7 +64,7 @@ inline Floats eighths_of_turn(Floats q) {
     return sum * q;
 }
 
-// Of positions on the grid in units of its cells.
+// Stores the four samples around positions on the grid, in units of its cells, and their weights.
 inline void store_neighbours(Floats u, Floats v, int side, int i, Neighbours& to) {
     u = larger(u, Floats{}), v = larger(v, Floats{});  // NaN, of vectors that overflowed, becomes 0
     const Ints last = side - 2 + Ints{};

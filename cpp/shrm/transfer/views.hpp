@@ -1,4 +1,5 @@
-// Where the vertices of an object see the eye: in their frames, and among the samples of what they send.
+// The directions in which the vertices of an object see the eye: in their frames, and as places among the
+// samples of the radiance that they send.
 //
 // Vertices are taken in blocks, whose arrays stay in the first cache between the steps of the lighting.
 #pragma once
@@ -43,7 +44,7 @@ struct Eye {
     bool distant;
 };
 
-// For each vertex of a block four neighbours on a grid of `side` samples in each dimension: first, first + 1,
+// For each vertex of a block four neighbors on a grid of `side` samples in each dimension: first, first + 1,
 // first + side, first + side + 1; their weights sum to 1. Beyond the block's vertices they are valid as well.
 struct Neighbours {
     alignas(64) std::int32_t first[vertex_block];

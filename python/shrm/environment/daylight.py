@@ -43,18 +43,18 @@ def sun_irradiance(elevation: float, turbidity: float) -> FloatArray:
     (3,) float64
         Linear Rec. 709 in `RADIANCE_UNIT` x steradian: luminance is illuminance.
     """
-    wavelength = np.arange(0.380, 0.7801, 0.005)  # micrometres
+    wavelength = np.arange(0.380, 0.7801, 0.005)  # micrometers
     # Relative optical mass and transmittances, [PSS99] appendix A.1.
     zenith = 90.0 - elevation
     mass = 1.0 / (math.cos(math.radians(zenith)) + 0.15 * (93.885 - zenith) ** -1.253)
     rayleigh = np.exp(-0.008735 * wavelength**-4.08 * mass)
     haze = np.exp(-(0.04608 * turbidity - 0.04586) * wavelength**-1.3 * mass)
 
-    # The spectrum by Planck's law, W/(m^2 sr) per metre of wavelength:
+    # The spectrum by Planck's law, W/(m^2 sr) per meter of wavelength:
     # 2 h c^2 / lambda^5 / (exp(h c / (lambda k T)) - 1)
-    metres = wavelength * 1e-6
-    radiance = 2 * 6.62607015e-34 * 299792458.0**2 / metres**5
-    radiance /= np.expm1(6.62607015e-34 * 299792458.0 / (metres * 1.380649e-23 * _SUN_TEMPERATURE))
+    meters = wavelength * 1e-6
+    radiance = 2 * 6.62607015e-34 * 299792458.0**2 / meters**5
+    radiance /= np.expm1(6.62607015e-34 * 299792458.0 / (meters * 1.380649e-23 * _SUN_TEMPERATURE))
     solid_angle = 2 * math.pi * (1 - math.cos(math.radians(SUN_DIAMETER / 2)))
     spectrum = radiance * rayleigh * haze * solid_angle
     xyz = 683.0 * (_observer(wavelength * 1000) @ spectrum) * 0.005e-6  # lux

@@ -119,7 +119,7 @@ class Environment:
             One of `shrm.environment.layouts.LAYOUTS`; by default what the file says (OpenEXR's `envmap`
             attribute) or its aspect suggests, see `shrm.environment.layouts.recognise`.
         repair : bool
-            Replace NaN and infinite texels by their neighbours instead of refusing them.
+            Replace NaN and infinite texels by their neighbors instead of refusing them.
         max_bytes : int
             The largest decoded picture that is read.
         border : int

@@ -70,7 +70,7 @@ class Truncation:
         energy = split_energy(
             env, expansion.smooth, expansion.material, expansion.orders, expansion.analysed_to
         )
-        return _Numbers(energy.truncation, max(energy.smooth_share, _LEAST_SMOOTH_SHARE), energy.whole)
+        return _Numbers(energy.truncation, max(energy.smooth_share, _LEAST_SMOOTH_SHARE), energy.total)
 
 
 class Prediction:

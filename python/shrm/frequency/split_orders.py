@@ -68,23 +68,23 @@ class SplitEnergy:
         Mean square that the orders leave out of the smooth parts.
     smooth : float
         That of the smooth parts; cross terms between lobes, which only add, are left out.
-    whole : float
+    total : float
         That of the whole material, likewise; what its degrees above `WHOLE_DEGREES` reflect is left out too.
     """
 
     left_out: float
     smooth: float
-    whole: float
+    total: float
 
     @property
     def truncation(self) -> float:
         """The relative RMS error that the orders leave."""
-        return float(np.sqrt(self.left_out / self.whole)) if self.whole > 0 else 0.0
+        return float(np.sqrt(self.left_out / self.total)) if self.total > 0 else 0.0
 
     @property
     def smooth_share(self) -> float:
         """The RMS of the smooth parts against that of the whole."""
-        return float(np.sqrt(min(self.smooth / self.whole, 1.0))) if self.whole > 0 else 0.0
+        return float(np.sqrt(min(self.smooth / self.total, 1.0))) if self.total > 0 else 0.0
 
 
 def split_material(
@@ -135,7 +135,7 @@ def split_material(
 def split_energy(
     env: Environment,
     smooth: BRDF,
-    whole: BRDF,
+    material: BRDF,
     orders: Sequence[tuple[int, int]],
     analysed_to: tuple[int, int],
 ) -> SplitEnergy:
@@ -145,7 +145,7 @@ def split_energy(
     measures = [Measure(lobe, power, "light") for lobe in analysed(smooth, L, P)]
     left_out = sum(measure.squared_error(*pair) for measure, pair in zip(measures, orders, strict=True))
     total = sum(measure.total for measure in measures)
-    return SplitEnergy(left_out, total, whole_energy(whole, env, P))
+    return SplitEnergy(left_out, total, whole_energy(material, env, P))
 
 
 def whole_energy(brdf: BRDF, env: Environment, P: int) -> float:

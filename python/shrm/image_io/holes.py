@@ -1,4 +1,4 @@
-"""Texels that are NaN or infinite: refused, or repaired from their neighbours."""
+"""Texels that are NaN or infinite: refused, or repaired from their neighbors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def finite(path: PathLike, pixels: Float32Array, repair: bool) -> Float32Array:
     row, column = np.argwhere(bad)[0]
     holes = f"{count} texels are NaN or infinite, the first at row {row}, column {column}"
     if not repair:
-        raise ImageError(f"{path}: {holes}; repair=True replaces them by their neighbours")
+        raise ImageError(f"{path}: {holes}; repair=True replaces them by their neighbors")
     if count == bad.size:
         raise ImageError(f"{path}: all texels are NaN or infinite")
 
@@ -37,5 +37,5 @@ def finite(path: PathLike, pixels: Float32Array, repair: bool) -> Float32Array:
         rim = bad & (count_valid > 0)
         pixels[rim] = (total[rim] / count_valid[rim, None]).astype(np.float32)
         bad &= ~rim
-    warn(path, f"{holes}; replaced by the mean of their neighbours")
+    warn(path, f"{holes}; replaced by the mean of their neighbors")
     return pixels

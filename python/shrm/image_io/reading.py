@@ -28,7 +28,7 @@ def read_image(path: PathLike, *, repair: bool = False, max_bytes: int = DEFAULT
     path : path
         The file.
     repair : bool
-        Replace texels that are NaN or infinite by the mean of their neighbours, with a warning.
+        Replace texels that are NaN or infinite by the mean of their neighbors, with a warning.
     max_bytes : int
         Refuse pictures that are larger than this when decoded; checked before pixels are read.
 

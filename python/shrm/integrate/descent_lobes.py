@@ -81,7 +81,7 @@ class LobeDescent(Protocol):
     def kind(self) -> str: ...  # noqa: D102
 
     def to_arrays(self) -> NamedArrays:
-        """What `descent_from_arrays` takes."""
+        """Return the arrays that `descent_from_arrays` takes."""
 
     def radiance(
         self, pyramid: _core.Pyramid, n: FloatArray, v: FloatArray, t: FloatArray, threshold: float
@@ -325,9 +325,9 @@ class IsotropicDescent:
         # The split or the two splits that made it
         core, below = cast(SplitFunction, lobe.function), float("inf")
         if core.part == "smooth":
-            core, below = cast(SplitFunction, core.whole), core.height
+            core, below = cast(SplitFunction, core.function), core.height
 
-        envelope, ratio = lobe_tables.channel_tables(core.whole)
+        envelope, ratio = lobe_tables.channel_tables(core.function)
         caps, integral = lobe_tables.caps_and_integral(lobe.transfer, LARGEST_OUTSIDE)
         gamma, width = gamma_table(lobe.center, lobe.function), lobe_center(lobe.function)[1]
         return cls(lobe.center, gamma, width, envelope, ratio, caps, integral, core.height, below)

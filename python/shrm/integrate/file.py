@@ -10,7 +10,7 @@ A multi-part file of 32-bit floats.
     (`shrm.image_io.tables`). Its kind, its center and its numbers are in the metadata as `shrm:k.NAME`,
     numbers as text of full precision.
 
-Whatever is made of these when they are read, as the pyramid of the light, is made again.
+What follows from these, such as the pyramid of the light, is computed again when a file is read.
 """
 
 from __future__ import annotations
@@ -32,15 +32,20 @@ from shrm.integrate.saved_arrays import NamedArrays, Parts, array_parts, arrays_
 from shrm.lobes.reflection import Layout
 
 VERSION = 1
+"""Version of the format."""
+
 VERSION_KEY = "shrm:integrated"
-"""Metadata that only these files have."""
+"""Name of the metadata with the version, which only these files have."""
+
 METHOD_KEY = "shrm:method"
+"""Name of the metadata with the method."""
+
 MOST_LOBES = 1024
-"""What a file is believed to hold."""
+"""Most lobes of a file that is not taken for damaged."""
 
 _AXES = "right-handed, z up; row 0 at +z, column centers at phi = pi - 2 pi (j + 1/2) / W from +x towards +y"
 _WORDS = ("kind", "center")
-"""Of a lobe in the metadata: what is no number."""
+"""Metadata of a lobe that are words, not numbers."""
 
 SavedMethod = Literal["angular", "hierarchical"]
 
@@ -52,7 +57,9 @@ class SavedLobe:
     Attributes
     ----------
     kind : {"radial", "zonal", "isotropic"}
+        Class of the lobe.
     center : {"lobe", "reflection", "normal", "tangent"}
+        Direction that its maps are indexed by.
     arrays : {name: array}
         Tables of two axes, and numbers.
     """
@@ -64,21 +71,24 @@ class SavedLobe:
 
 @dataclass(frozen=True, eq=False)
 class SavedIntegration:
-    """What a file holds: plain data, of which the classes of integrators are made.
+    """The content of a file: plain data, from which the integrators' results are built.
 
     Attributes
     ----------
     method : {"angular", "hierarchical"}
+        The integrator.
     brdf : str
         The material's name.
     pixels : (H, W, 3) float32
         The light, lat-long.
     layout : {"latlong", "cube"}
+        The grid of maps.
     size : int
+        Rows of a lat-long map, or of a cube's face.
     lobes : tuple of SavedLobe
         At least one.
     numbers : {name: float}
-        What the method needs besides.
+        Further parameters of the method.
     """
 
     method: SavedMethod

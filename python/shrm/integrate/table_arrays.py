@@ -1,6 +1,6 @@
-"""The tables of lobes as named arrays, for files, and tables made of such arrays again.
+"""Conversion of tables of lobes to named arrays, as files hold them, and back.
 
-Axes before the last are one; numbers are arrays of no axes.
+All axes of a table before the last are joined into one; numbers are arrays without axes.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from shrm.integrate.tables import (
 )
 
 LEAST_SEGMENTS, LARGEST_SHIFT, MOST_OCTAVES = 32, 22, 100
-"""Bounds on the tables of profiles, as the core has them."""
+"""Fewest segments, most bits of the shift and most octaves of a profile's table that the core takes."""
 
 
 class Profile(NamedTuple):
-    """What the core takes of a `RadialTable`."""
+    """The attributes of a `RadialTable` that the core takes."""
 
     values: Float32Array
     shift: int
@@ -45,12 +45,13 @@ def profile_from(arrays: NamedArrays) -> Profile:
     KeyError, ValueError
         If an array is missing, or none that the core could use.
     """
-    # rows of the coefficients of one channel, or of three
+    # Rows of the coefficients of one channel, or of three
     rows = table(arrays, "profile", (None, None)).astype(np.float32)
     segments = rows.shape[1]
     if len(rows) not in (4, 12) or segments < LEAST_SEGMENTS or segments & (segments - 1):
         raise ValueError(f"profile of shape {rows.shape}")
-    # where its segments are
+
+    # The places of its segments
     shift, scale, support = (number(arrays, name) for name in ("shift", "scale", "support"))
     if not shift <= LARGEST_SHIFT or segments >> (23 - int(shift)) > MOST_OCTAVES:
         raise ValueError(f"shift = {shift:g} for {segments} segments")

@@ -32,14 +32,14 @@ class SplitFunction:
 
     Attributes
     ----------
-    whole : callable
-        The function or profile that is split.
+    function : callable
+        The function or profile of the lobe that is split.
     height : float
         T, per steradian.
     part : {"smooth", "core"}
     """
 
-    whole: Callable[..., FloatArray]
+    function: Callable[..., FloatArray]
     height: float
     part: str
 
@@ -49,8 +49,8 @@ class SplitFunction:
         return bool(getattr(self.whole, "takes_haversine", False))
 
     def __call__(self, *angles: FloatArray) -> FloatArray:
-        """Evaluate the part where `whole` is evaluated."""
-        rho = self.whole(*angles)
+        """Evaluate the part at the arguments of the function."""
+        rho = self.function(*angles)
         mean = np.maximum(rho if rho.ndim == 1 else rho.mean(axis=1, keepdims=True), 0.0)
         share = self.height / (self.height + mean)
         return np.asarray(rho * (share if self.part == "smooth" else 1 - share))
@@ -70,8 +70,8 @@ def split(lobe: SplitLobe, height: float) -> tuple[SplitLobe, SplitLobe]:
     smooth, core : lobes of the same kind
         Their sum is the lobe. About the lobe center each is about its own.
     """
-    whole = lobe.profile if isinstance(lobe, RadialLobe) else lobe.function
-    smooth, core = (SplitFunction(whole, height, part) for part in ("smooth", "core"))
+    function = lobe.profile if isinstance(lobe, RadialLobe) else lobe.function
+    smooth, core = (SplitFunction(function, height, part) for part in ("smooth", "core"))
     if isinstance(lobe, RadialLobe):
         return replace(lobe, profile=smooth), replace(lobe, profile=core)
     return replace(lobe, function=smooth), replace(lobe, function=core)

@@ -25,7 +25,7 @@ def icosahedron() -> FloatArray:
 def faces() -> npt.NDArray[np.intp]:
     """Return the vertices of each triangle of `icosahedron`, (20, 3), counterclockwise from outside."""
     v = icosahedron()
-    near = v @ v.T > 0.4  # neighbours are at 1 / sqrt(5), others at most at its negative
+    near = v @ v.T > 0.4  # neighbors are at 1 / sqrt(5), others at most at its negative
     triples = [t for t in combinations(range(VERTICES), 3) if all(near[a, b] for a, b in combinations(t, 2))]
     outward = [(a, b, c) if np.linalg.det(v[[a, b, c]]) > 0 else (a, c, b) for a, b, c in triples]
     return np.array(outward)

@@ -67,7 +67,7 @@ def make(settings: Settings) -> Result:
             "natural light has less energy in higher degrees, and two blurs of equal F are as one of "
             "F / sqrt(2).",
             f"Relative RMS difference of the reflected light (median): {within:.2f} between two cells of one "
-            f"delimiter, {across:.2f} between neighbours on its two sides.",
+            f"delimiter, {across:.2f} between neighbors on its two sides.",
         ],
         _draw(_spheres(light, gains, _view(settings.env), 64 if settings.quick else 192), highest),
     )
@@ -88,7 +88,7 @@ def highest_frequency(amplitude: FloatArray) -> int:
 
 
 def _differences(amplitude: dict[tuple[int, int], FloatArray]) -> tuple[float, float]:
-    """Return median relative RMS differences: of cells of one delimiter, and of neighbours of two."""
+    """Return median relative RMS differences: of cells of one delimiter, and of neighbors of two."""
     within, across = [], []
     for (a, of_a), (b, of_b) in itertools.combinations(amplitude.items(), 2):
         norms = np.linalg.norm(of_a), np.linalg.norm(of_b)

@@ -23,7 +23,7 @@ negative value have no data. Beyond the largest coordinates the values there hol
 ("zero").
 
 The slice pink-felt-1d.alta that comes with ALTA has 90 rows even in sin(theta_h), (j + 1/2) / 90 to 2e-5.
-Each is the value of the bin of MERL in which theta_h, taken as it is written, lies: neighbours are equal at
+Each is the value of the bin of MERL in which theta_h, taken as it is written, lies: neighbors are equal at
 14 places, all among the 19 where bins that are even in the square root of theta_h say they could be.
 """
 
