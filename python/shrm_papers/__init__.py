@@ -50,7 +50,7 @@ RESULTS: Mapping[str, str] = {
     "lk03-figure-4": "an object by matrices and by tents",
     "lk03-figure-5": "an object from few and many principal components",
 }
-"""What each result shows, by its name, in the papers' order; rh02.table_2 makes "rh02-table-2"."""
+"""Subject of each result by its name, in the papers' order; the module rh02.table_2 makes "rh02-table-2"."""
 
 
 def make(name: str, settings: Settings) -> Result:
@@ -63,7 +63,7 @@ def make(name: str, settings: Settings) -> Result:
     name : str
         One of `RESULTS`.
     settings : Settings
-        What it is made from.
+        The light, files and options that it is made with.
 
     Raises
     ------

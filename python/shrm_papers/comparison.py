@@ -30,6 +30,7 @@ class Representation:
     Attributes
     ----------
     name : str
+        Its name in the table.
     center : str
         The direction by which its maps are looked up.
     maps : int
@@ -54,9 +55,11 @@ class Judged:
     Attributes
     ----------
     representation : Representation
+        The representation.
     picture : Picture
+        A sphere drawn from it.
     error, frames_error : float
-        Relative RMS, colors pooled: of the picture, and over random frames.
+        Relative RMS errors of the picture, and over random frames, colors pooled.
     """
 
     representation: Representation
@@ -145,7 +148,7 @@ class Block:
     Attributes
     ----------
     name : str
-        The material's.
+        The material's name.
     truth : Pictured
         The correct picture.
     columns : sequence of (str, Compared)
@@ -173,6 +176,7 @@ def draw_blocks(blocks: Sequence[Block], beside: float = 0.0) -> Figure:
     Parameters
     ----------
     blocks : sequence of Block
+        The blocks from top to bottom.
     beside : float
         Inches to leave free at the right.
     """

@@ -1,4 +1,4 @@
-"""Relative RMS errors, what all results judge approximations by."""
+"""Relative RMS errors, by which all results judge approximations."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ def relative_rms(values: npt.ArrayLike, exact: npt.ArrayLike, weights: npt.Array
     Parameters
     ----------
     values, exact : array_like
-        Of one shape.
+        Arrays of one shape.
     weights : array_like
-        Of the squares; of a shape that is broadcast to theirs.
+        Weights of the squares, of a shape that is broadcast to theirs.
     """
     reference, factors = np.asarray(exact, np.float64), np.asarray(weights, np.float64)
     difference = np.asarray(values, np.float64) - reference

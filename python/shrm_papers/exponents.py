@@ -16,6 +16,7 @@ class PowerLaw:
     Attributes
     ----------
     exponent, factor : float
+        The fitted parameters.
     deviation : float
         Standard error of the exponent, from the residuals; 0 for two sizes or a given exponent.
     """
@@ -25,7 +26,7 @@ class PowerLaw:
     deviation: float
 
     def at(self, sizes: npt.ArrayLike) -> FloatArray:
-        """Return the law's seconds at sizes."""
+        """Return the seconds that the law gives for sizes."""
         return np.asarray(self.factor * np.asarray(sizes, dtype=np.float64) ** self.exponent)
 
     def crossing(self, other: PowerLaw) -> float:
@@ -53,6 +54,8 @@ def fit(sizes: npt.ArrayLike, seconds: npt.ArrayLike, exponent: float | None = N
         raise ValueError(f"a power law needs a time for each of two sizes or more, got {x.shape}, {y.shape}")
     if not (np.all(x > 0) and np.all(y > 0)):
         raise ValueError("a power law needs sizes and times above zero")
+
+    # Least squares in log-log, of the factor alone or of both
     log_x, log_y = np.log(x), np.log(y)
     centered = log_x - log_x.mean()
     if exponent is not None:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLORS = ("#0b6fb8", "#d1495b", "#2e8b57", "#e08e0b", "#7b4fa3", "#5b6770", "#17a2a2", "#a0522d")
-"""Together with the marks told apart in print and by the color-blind."""
+"""Colors that, together with `MARKS`, are told apart in print and by the color-blind."""
 
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "p")
 

@@ -20,7 +20,7 @@ Cell = str | int | float | None
 
 @dataclass(frozen=True)
 class Settings:
-    """What results are made from.
+    """The light, files and options that results are made with.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Settings:
     mesh : Path or None
         A mesh to draw, y upwards.
     quick : bool
-        Whether to take fewer rows and samples, only to see that everything runs.
+        True to take fewer rows and samples, only to see that everything runs.
     """
 
     env: Environment
@@ -57,13 +57,13 @@ class Result:
     name : str
         The stem of its files, such as "rh02-table-4".
     title : str
-        What it shows in one line, without the number in the paper, which the name has.
+        Its subject in one line, without the number in the paper, which the name has.
     columns : sequence of str
         Headings; those of the paper's own numbers end in its key, such as "[RH02]".
     rows : sequence of sequences
         Cells, None where there is nothing to compare with.
     notes : sequence of str
-        What was done otherwise than in the paper, and why; what the numbers mean. One sentence or two each.
+        Differences from the paper with their reasons, and the meaning of the numbers, a sentence or two each.
     figure : matplotlib Figure or None
         The picture.
     summary : (columns, rows) or None
@@ -110,9 +110,9 @@ class Result:
 
 
 def _heading(name: str) -> str:
-    """Return what a result is called in a heading: [RH02] table 4."""
-    paper, *rest = name.split("-")
-    return " ".join([f"[{paper.upper()}]", *rest])
+    """Return the name of a result as a heading has it: [RH02] table 4."""
+    paper, *item = name.split("-")
+    return " ".join([f"[{paper.upper()}]", *item])
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[Cell]]) -> list[str]:

@@ -26,14 +26,19 @@ from shrm_papers.result import Settings
 
 
 def measured(module: str, settings: Settings) -> Any:
-    """Return what `measure(env, quick)` of a module of this package returns in a process of one thread.
+    """Call `measure(env, quick)` of a module of this package in a process of one thread.
 
     Parameters
     ----------
     module : str
-        Its full name. What `measure` returns goes through JSON.
+        Full name of the module.
     settings : Settings
-        The environment, and whether to be quick.
+        Its environment, and whether it is quick, are passed on.
+
+    Returns
+    -------
+    Any
+        The result of `measure`, which passes through JSON.
 
     Raises
     ------
@@ -48,17 +53,17 @@ def measured(module: str, settings: Settings) -> Any:
         light = Path(folder) / "environment.npy"
         np.save(light, settings.env.pixels)
         command = [sys.executable, "-m", __name__, module, str(light), "quick" if settings.quick else "full"]
-        done = subprocess.run(
+        process = subprocess.run(
             command, env={**env, **one_thread}, capture_output=True, text=True, stdin=subprocess.DEVNULL
         )
-    if done.returncode != 0:
-        messages = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
+    if process.returncode != 0:
+        messages = process.stderr.strip().splitlines() or [f"exit status {process.returncode}"]
         raise RuntimeError(f"{module}: {messages[-1]}")
-    return json.loads(done.stdout)
+    return json.loads(process.stdout)
 
 
 def processor_seconds(calls: Sequence[Callable[[], object]], rounds: int) -> FloatArray:
-    """Return the seconds of each call in every round, (rounds, calls), after one that does not count.
+    """Return the seconds of each call in every round, (rounds, calls), after a round that does not count.
 
     All calls take turns, so that a disturbance falls on all alike.
     """

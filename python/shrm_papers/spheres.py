@@ -30,10 +30,10 @@ View = tuple[float, float, float]
 """The direction towards the viewer, a unit vector."""
 
 DISTANCE = 4.0
-"""Of the camera from the unit sphere's center; any beyond 1, since its rays are parallel."""
+"""Distance of the camera from the unit sphere's center; any beyond 1 does, since its rays are parallel."""
 
 HEIGHT = 2.04
-"""Of the picture in the sphere's radii: a margin of 2% around it."""
+"""Height of the picture in radii of the sphere, which leaves a margin of 2% around it."""
 
 
 def sphere(material: SupportsRadiance, view: View, pixels: int, samples: int = 2) -> Picture:

@@ -45,8 +45,8 @@ class SplitFunction:
 
     @property
     def takes_haversine(self) -> bool:
-        """Whether `whole` is a profile of cosine and haversine; see `shrm.brdf.cosine_power`."""
-        return bool(getattr(self.whole, "takes_haversine", False))
+        """True if `function` is a profile of cosine and haversine; see `shrm.brdf.cosine_power`."""
+        return bool(getattr(self.function, "takes_haversine", False))
 
     def __call__(self, *angles: FloatArray) -> FloatArray:
         """Evaluate the part at the arguments of the function."""

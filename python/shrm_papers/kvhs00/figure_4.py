@@ -36,7 +36,7 @@ TAPS = 128
 """Samples of the exact filter for each texel."""
 
 BRIGHTEST = 0.2
-"""The largest error that the picture tells, relative to the mean luminance."""
+"""Upper end of the picture's scale of errors, relative to the mean luminance."""
 
 HARDWARE: tuple[tuple[str, Filter], ...] = (
     ("hardware, two passes", "two-pass"),
@@ -118,6 +118,7 @@ def _maps(light: Environment, looks: FloatArray, size: int, border: int) -> tupl
 
 
 def _timed(call: Callable[[], Float32Array], shape: tuple[int, ...]) -> Filtered:
+    """Return the map that a call makes, of a shape, and the seconds it took."""
     start = time.perf_counter()
     pixels = call()
     return Filtered(pixels.reshape(shape), time.perf_counter() - start)
@@ -136,12 +137,12 @@ def _draw(maps: dict[str, Float32Array], exact: Float32Array, weight: FloatArray
         above.set_title(name.replace(", ", ",\n", 1), fontsize=9)
         below.set_visible(name != "classic")
         error = np.abs((pixels - exact) @ LUMINANCE) / mean
-        shown = below.imshow(100 * np.concatenate(list(error)), cmap="magma", vmin=0, vmax=100 * BRIGHTEST)
+        image = below.imshow(100 * np.concatenate(list(error)), cmap="magma", vmin=0, vmax=100 * BRIGHTEST)
         for panel in (above, below):
             panel.set(xticks=[], yticks=[])
             panel.spines[:].set_visible(False)
     axes[0, 0].set_ylabel("map", fontsize=9)
     axes[1, 0].set_ylabel("error of luminance", fontsize=9)
-    bar = figure.colorbar(shown, ax=axes[1, :], extend="max", pad=0.01, aspect=30)
+    bar = figure.colorbar(image, ax=axes[1, :], extend="max", pad=0.01, aspect=30)
     bar.set_label("% of the mean", fontsize=9)
     return figure

@@ -41,7 +41,7 @@ PICTURE = (320, 420)
 """Rows and columns of a picture."""
 
 JUDGED = (64, 84)
-"""The same of pictures that are integrated for their errors."""
+"""Rows and columns of the pictures that are integrated for their errors."""
 
 CAMERAS = (
     Camera((3.4, 1.2, 1.5), (0.0, 0.0, 0.1), fov=33.0),
@@ -52,6 +52,7 @@ COLUMNS = ("s", "slices", "map", "prefiltering, s", "error of the pictures")
 
 def make(settings: Settings) -> Result:
     """Prefilter, draw the pot twice, and show the paper's slices."""
+    # The layers
     slices, rows, light = (19, 16, 32) if settings.quick else (SLICES, ROWS, LIGHT)
     env = settings.env.resized(light, 2 * light)
     material = REFLECTED * brdf.Banks(SHARPNESS)
@@ -61,6 +62,7 @@ def make(settings: Settings) -> Result:
     )
     seconds = time.perf_counter() - start
 
+    # The pot, and its errors
     pot = Object(_mesh(settings), maps)
     shape, samples = ((45, 60), 1) if settings.quick else (PICTURE, 2)
     pictures = [render([pot], camera, shape, background=settings.env, samples=samples) for camera in CAMERAS]

@@ -43,7 +43,7 @@ SIZE, BORDER = 512, 64
 """Texels of a face and of its border."""
 
 CLAMP, LARGEST_KERNEL = 0.1, 7
-"""The lobe at a filter's rim relative to its peak, and most texels across a filter after shrinking."""
+"""Value of the lobe at a filter's rim relative to its peak, and most texels across a shrunk filter."""
 
 TAPS = 128
 """Samples of the exact filter for each texel."""
@@ -99,6 +99,7 @@ class Speed:
 
 def make(settings: Settings) -> Result:
     """Find the filters, and measure them where there is OpenGL."""
+    # Times and errors by OpenGL
     exponents = (10, 500) if settings.quick else tuple(PAPER)
     context, about = context_or_note()
     measured: dict[int, dict[Filter, Speed]] = {}
@@ -106,9 +107,11 @@ def make(settings: Settings) -> Result:
     if context is not None:
         measured, seconds = _measure(context, settings, exponents)
         context.release()
+
+    # A row for each exponent, ours beside the paper's
     rows: list[list[Cell]] = []
     for s in exponents:
-        small, large, two, one = PAPER[s]
+        small, large, two_passes, one_pass = PAPER[s]
         ours = fitting_filters(s)
         row: list[Cell] = [s]
         for theirs, of_ours in (
@@ -120,8 +123,9 @@ def make(settings: Settings) -> Result:
         times: list[list[Cell]] = [
             [None, None] if speed is None else [1e3 * speed.filter, 1.0 / speed.frame] for speed in speeds
         ]
-        row += [*times[0], two, *times[1], one, *times[2]]
+        row += [*times[0], two_passes, *times[1], one_pass, *times[2]]
         rows.append([*row, *(None if speed is None else speed.error for speed in speeds)])
+
     return Result(
         NAME,
         f"Filtering by OpenGL for every frame, {settings.env_name}",

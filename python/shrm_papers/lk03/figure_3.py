@@ -26,13 +26,13 @@ TENTS = 11
 MATERIALS = {"glossy": brdf.AshikhminShirley(40, 40), "matt": brdf.AshikhminShirley(5, 5)}
 """[LK03 section 6]: N = 40 and 5."""
 
-WAYS = {"m = 5": Route(inner=n, m=5, extension="even"), "direct": Route()}
-"""Through harmonics, as in the paper's figure, and straight from rays to tents."""
+ROUTES = {"m = 5": Route(inner=n, m=5, extension="even"), "direct": Route()}
+"""Routes by their names: through harmonics, as in the paper's figure, and straight from rays to tents."""
 
 HIGHEST = 60.0
 """Upper end of the picture's axes, dB."""
 
-SHOWN = (1, 2, 3, 5, 10, 15, 20, 25, 30, 40, 50, 60, 80, 100)
+TABULATED = (1, 2, 3, 5, 10, 15, 20, 25, 30, 40, 50, 60, 80, 100)
 """Numbers of components in the table."""
 
 
@@ -42,15 +42,17 @@ class Curve:
 
     Attributes
     ----------
-    way, material : str
+    route_name, material : str
+        Names of the route and of the material.
     shadowed : bool
+        True if the object shadows itself.
     psnr : (K,) float64
         PSNR of radiance under random light of norm 1, in dB: the paper's measure.
     snr : (K,) float64
         SNR, relative to the uncompressed radiance, in dB.
     """
 
-    way: str
+    route_name: str
     material: str
     shadowed: bool
     psnr: FloatArray
@@ -63,23 +65,24 @@ class Curve:
 
 
 def make(settings: Settings) -> Result:
-    """Compress the object's transfer in each material, both ways."""
+    """Compress the object's transfer in each material by both routes."""
     subject = subject_of(settings)
-    ways = {"m = 5": WAYS["m = 5"]} if settings.quick else WAYS
-    shown = SHOWN[:8] if settings.quick else SHOWN
+    routes = {"m = 5": ROUTES["m = 5"]} if settings.quick else ROUTES
+    components = TABULATED[:8] if settings.quick else TABULATED
     curves = [
         curve
-        for way, route in ways.items()
+        for route_name, route in routes.items()
         for name, material in MATERIALS.items()
-        for curve in _curves(subject, way, name, material, route, shown[-1])
+        for curve in _curves(subject, route_name, name, material, route, components[-1])
     ]
     columns = [
         "K",
-        *(f"PSNR, {c.way}, {c.label}" for c in curves),
-        *(f"SNR, {c.way}, {c.label}" for c in curves),
+        *(f"PSNR, {c.route_name}, {c.label}" for c in curves),
+        *(f"SNR, {c.route_name}, {c.label}" for c in curves),
     ]
     rows: list[list[Cell]] = [
-        [K, *(float(c.psnr[K - 1]) for c in curves), *(float(c.snr[K - 1]) for c in curves)] for K in shown
+        [K, *(float(c.psnr[K - 1]) for c in curves), *(float(c.snr[K - 1]) for c in curves)]
+        for K in components
     ]
     return Result(
         NAME,
@@ -91,14 +94,16 @@ def make(settings: Settings) -> Result:
     )
 
 
-def _curves(subject: Subject, way: str, name: str, material: brdf.BRDF, route: Route, K: int) -> list[Curve]:
-    """Return the curves of one way and material, without shadows and with."""
+def _curves(
+    subject: Subject, route_name: str, name: str, material: brdf.BRDF, route: Route, K: int
+) -> list[Curve]:
+    """Return the curves of one route and material, without shadows and with."""
     transfer = subject.precomputed(material, tents=TENTS, route=route, components=K, half=False)
     curves = []
     for shadowed, variant in ((False, "unshadowed"), (True, "shadowed")):
         reported = transfer.report["compression"][variant]["SNR of 1 to K"]
         snr = np.array([np.inf if x is None else x for x in reported])
-        curves.append(Curve(way, name, shadowed, snr - 10 * np.log10(energy(transfer, variant)), snr))
+        curves.append(Curve(route_name, name, shadowed, snr - 10 * np.log10(energy(transfer, variant)), snr))
     return curves
 
 
@@ -110,10 +115,10 @@ def energy(transfer: RadianceTransfer, variant: str) -> float:
     """
     weights = transfer.variants[variant].weights
     assert weights is not None
-    kept = float(np.sum(weights.astype(np.float64) ** 2)) / len(weights)
+    captured = float(np.sum(weights.astype(np.float64) ** 2)) / len(weights)
     last = transfer.report["compression"][variant]["SNR"]
-    left = 0.0 if last is None else 10 ** (-last / 10)
-    return kept / (1 - left) / n**2
+    missing = 0.0 if last is None else 10 ** (-last / 10)
+    return captured / (1 - missing) / n**2
 
 
 def _notes(subject: Subject) -> list[str]:
@@ -132,18 +137,20 @@ def _notes(subject: Subject) -> list[str]:
 
 
 def _draw(curves: list[Curve]) -> Figure:
-    ways = list(dict.fromkeys(curve.way for curve in curves))
-    figure, axes = panels(1, 1 + len(ways), 4.6 * (1 + len(ways)), 4.3)
-    for panel, (way, kind) in zip(axes, [(ways[0], "PSNR"), *((way, "SNR") for way in ways)], strict=True):
-        for k, curve in enumerate(c for c in curves if c.way == way):
+    routes = list(dict.fromkeys(curve.route_name for curve in curves))
+    figure, axes = panels(1, 1 + len(routes), 4.6 * (1 + len(routes)), 4.3)
+    for panel, (route_name, kind) in zip(
+        axes, [(routes[0], "PSNR"), *((route_name, "SNR") for route_name in routes)], strict=True
+    ):
+        for k, curve in enumerate(c for c in curves if c.route_name == route_name):
             values = curve.psnr if kind == "PSNR" else curve.snr
             K = np.arange(1, len(values) + 1)
             panel.plot(K, values, color=COLORS[k], linewidth=1.6)
-            marked = [x for x in SHOWN if x <= len(values)]
+            marked = [x for x in TABULATED if x <= len(values)]
             panel.plot(marked, values[np.array(marked) - 1], MARKS[k], color=COLORS[k], markersize=5)
             panel.plot([], [], MARKS[k], color=COLORS[k], linestyle="-", label=curve.label)
         label = "average PSNR, dB" if kind == "PSNR" else "relative SNR, dB"
         panel.set(xlabel="components K", ylabel=label, ylim=(0, HIGHEST))
-        panel.set_title(f"{way}, as in [LK03]" if kind == "PSNR" else way, fontsize=10)
+        panel.set_title(f"{route_name}, as in [LK03]" if kind == "PSNR" else route_name, fontsize=10)
         panel.legend(frameon=False, fontsize=8)
     return figure

@@ -52,7 +52,7 @@ COMPONENTS = (10, 25)
 """K, the principal components."""
 
 ACCURACY, QUICK_ACCURACY = 24.0, 12.0
-"""SNR in dB that one more K is chosen for."""
+"""SNR in dB that a further number of components is chosen for, in full and in quick runs."""
 
 SAMPLES = 64
 """Samples along each side of the parabolic map."""
@@ -61,12 +61,13 @@ SECONDS = 0.6
 """Seconds in which the frames of a method are timed."""
 
 _BURSTS, _PAUSE = 3, 0.1
-"""Bursts that they are divided into, and seconds of rest before each."""
+"""Bursts into which these seconds are divided, and seconds of rest before each."""
 
-EVERY = slice(None)
+ALL_VERTICES = slice(None)
+"""Index of all vertices."""
 
 ROTATIONS = sum((2 * l + 1) ** 2 for l in range(n))
-"""Numbers of a rotation R_p, block by block."""
+"""Elements of a rotation R_p, block by block."""
 
 
 @dataclass(frozen=True)
@@ -75,9 +76,10 @@ class Judged:
 
     Attributes
     ----------
-    method : str
-    material : str
+    method, material : str
+        Names of the method and of the material.
     shadowed : bool
+        True if the object shadows itself.
     seconds : float
         Median wall time of a frame: every vertex lit, eye and light moving.
     bytes : int
@@ -85,7 +87,7 @@ class Judged:
     snr : float
         Relative SNR of radiance, in dB.
     published : float or None
-        The same through the expansions of [LK03], if these are another way.
+        The SNR through the expansions of [LK03], if the method takes another route.
     K : int or None
         Principal components, if there are any.
     """
@@ -119,8 +121,9 @@ def compare(subject: Subject, quick: bool = False) -> list[Judged]:
     Parameters
     ----------
     subject : Subject
+        The object.
     quick : bool
-        Whether to take fewer vertices, views and samples.
+        True to take fewer vertices, views and samples.
 
     Returns
     -------
@@ -131,15 +134,15 @@ def compare(subject: Subject, quick: bool = False) -> list[Judged]:
     materials: tuple[brdf.BRDF, ...] = (GLOSSY, MATT, PHONG)
     references = {material: Reference(subject, material, *extent) for material in materials}
     judged = []
-    for way in _candidates(subject, *((16, QUICK_ACCURACY) if quick else (SAMPLES, ACCURACY))):
-        reference = references[way.material]
-        snr = reference.snr(way.make(reference.at), way.shadowed)
+    for candidate in _candidates(subject, *((16, QUICK_ACCURACY) if quick else (SAMPLES, ACCURACY))):
+        reference = references[candidate.material]
+        snr = reference.snr(candidate.make(reference.at), candidate.shadowed)
         published_snr = None
-        if way.make_published is not None:
-            published_snr = reference.snr(way.make_published(reference.at), way.shadowed)
-        seconds = frame_seconds(way.make(EVERY), 0.0 if quick else SECONDS)
-        key = way.method, way.material.name, way.shadowed
-        judged.append(Judged(*key, seconds, way.bytes, snr, published_snr, way.K))
+        if candidate.make_published is not None:
+            published_snr = reference.snr(candidate.make_published(reference.at), candidate.shadowed)
+        seconds = frame_seconds(candidate.make(ALL_VERTICES), 0.0 if quick else SECONDS)
+        key = candidate.method, candidate.material.name, candidate.shadowed
+        judged.append(Judged(*key, seconds, candidate.bytes, snr, published_snr, candidate.K))
     return judged
 
 
@@ -195,7 +198,7 @@ def _candidates(subject: Subject, samples: int, accuracy: float) -> Iterator[_Ca
 
 
 def _by_shadows(transfer: RadianceTransfer) -> dict[bool, Variant]:
-    """Return the variants by whether they are shadowed."""
+    """Return the variants, the shadowed one under True."""
     return {True: transfer.variants["shadowed"], False: transfer.variants["unshadowed"]}
 
 
@@ -244,7 +247,7 @@ def _tents(subject: Subject, M: int, shadowed: bool, variant: Variant) -> _Candi
 def _compressed(
     subject: Subject, name: str, K: int, shadowed: bool, variant: Variant, papers: Variant | None = None
 ) -> _Candidate:
-    """Return K principal components [LK03 eq. 13], and those of the paper's way if it is another."""
+    """Return K principal components [LK03 eq. 13], and those of the paper's route if it is another."""
     vertices, frames = subject.mesh.vertices, subject.frames
 
     def lighting(variant: Variant) -> Callable[[Vertices], Lighting]:

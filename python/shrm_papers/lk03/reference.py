@@ -20,8 +20,8 @@ VERTICES, VIEWS = 96, 32
 _LOWEST = 1e-3
 """Smallest cosine of a view; views below are raised to it."""
 
-_TOGETHER = 64
-"""Vertices whose rays are summed at once."""
+_BLOCK = 64
+"""Vertices whose rays are summed at once: a few tens of megabytes."""
 
 _FINER = 4
 """Factor on the number of rays where nothing hides the light, and none need be cast."""
@@ -33,11 +33,12 @@ class Reference:
     Parameters
     ----------
     subject : Subject
+        The object.
     material : BRDF
         A material of one channel.
     vertices, views : int
-        How many are drawn, by a fixed seed: vertices of faces, and views from all around, of which a vertex
-        is judged by those above its horizon.
+        Numbers of vertices of faces, and of views from all around, that are drawn by a fixed seed. A vertex
+        is judged by the views above its horizon.
 
     Attributes
     ----------
@@ -104,11 +105,15 @@ def radiance(
     Parameters
     ----------
     subject : Subject
+        The object.
     material : BRDF
         A material of one channel.
     light : (n^2, 3) array_like
+        Coefficients of the light.
     eye : (3,) array_like
+        Position of the eye.
     shadowed : bool
+        True if the object shadows itself.
     at : (k,) int
         Indices of the vertices, ascending.
 
@@ -120,14 +125,14 @@ def radiance(
     Y = harmonics(rays, n)
     views = local_views(subject, eye)
     result = np.zeros((subject.size, 3), np.float32)
-    for start in range(0, len(at), _TOGETHER):
-        some = at[start : start + _TOGETHER]
-        wi, wo = np.tile(rays, (len(some), 1)), np.repeat(views[some], len(rays), axis=0)
-        reflected = material.transfer(wi, wo).reshape(len(some), len(rays))
+    for start in range(0, len(at), _BLOCK):
+        block = at[start : start + _BLOCK]
+        wi, wo = np.tile(rays, (len(block), 1)), np.repeat(views[block], len(rays), axis=0)
+        reflected = material.transfer(wi, wo).reshape(len(block), len(rays))
         if shadowed:
-            reflected = np.where(subject.visible(some), reflected, 0.0)
-        local = local_coefficients(light, subject.frames[some])
-        result[some] = 2 * np.pi / len(rays) * np.einsum("kj,kjc->kc", reflected @ Y, local)
+            reflected = np.where(subject.visible(block), reflected, 0.0)
+        local = local_coefficients(light, subject.frames[block])
+        result[block] = 2 * np.pi / len(rays) * np.einsum("kj,kjc->kc", reflected @ Y, local)
     return result
 
 

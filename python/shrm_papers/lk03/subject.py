@@ -44,7 +44,7 @@ class Subject:
     Parameters
     ----------
     mesh : Mesh
-        In the coordinates of the light, z up.
+        The mesh in the coordinates of the light, z up.
     name : str
         Its name in titles.
     directions : int
@@ -73,7 +73,7 @@ class Subject:
 
     @cached_property
     def visibility(self) -> Visibility:
-        """Which rays of the vertices meet nothing."""
+        """The rays of the vertices that meet nothing."""
         # The folder in which `precompute` looks for them, so that no ray is cast twice
         folder = self._folder / "rays"
         visibility = Visibility(

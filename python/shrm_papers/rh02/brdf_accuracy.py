@@ -62,11 +62,11 @@ class Accuracy:
 
     @property
     def wide(self) -> bool:
-        """Whether half the energy takes an angle of more than `WIDE`."""
+        """True if half the energy takes an angle of more than `WIDE`."""
         return self.half > WIDE
 
     def reaches(self, center: Center) -> bool:
-        """Whether F and P = 5 hold more than 90% about a center."""
+        """Tell whether F and P = 5 hold more than 90% about a center."""
         return bool(self.by_order[center][-1] > REACHED)
 
 
@@ -83,8 +83,8 @@ def measure(name: str, brdf: BRDF) -> Accuracy:
         # The same of the views below grazing
         theta_v, theta_i, energy = _energy(lobe, analysis)
         below = theta_v <= np.radians(GRAZING)
-        kept = (analysis.weight * _kept(analysis, ORDERS[-1]))[below].sum()
-        below_grazing[center] = float(kept / energy[below].sum())
+        captured = (analysis.weight * _captured_by_view(analysis, ORDERS[-1]))[below].sum()
+        below_grazing[center] = float(captured / energy[below].sum())
 
     # About the last center, the lobe's
     every_order = float(analysis.degree_energy().sum() / total)
@@ -104,15 +104,16 @@ def _energy(lobe: IsotropicLobe, analysis: LobeAnalysis) -> tuple[FloatArray, Fl
     return theta_v, nodes.theta_i, analysis.weight[:, None] * ring
 
 
-def _kept(analysis: LobeAnalysis, P: int) -> FloatArray:
+def _captured_by_view(analysis: LobeAnalysis, P: int) -> FloatArray:
     """Return the energy that an expansion to order P keeps of each view, (views,).
 
     It is the sum over l, q of U_q (g_lq^2 - (g_lq - fit)^2), the fit being sum_p rho_lpq f_pq(theta_o).
     """
+    # The fit at the views of the analysis, azimuth by azimuth
     rho = analysis.coefficients(F, P)
     theta_o = analysis.theta_o
     views = np.stack([np.sin(theta_o), np.zeros_like(theta_o), np.cos(theta_o)], axis=1)
-    kept = np.zeros(len(theta_o))
+    captured = np.zeros(len(theta_o))
     for q in range(min(P, analysis.Q) + 1):
         U = 1 if q == 0 else 2
         p = np.arange(q, P + 1)
@@ -120,8 +121,8 @@ def _kept(analysis: LobeAnalysis, P: int) -> FloatArray:
         # The real basis at azimuth 0 is f_p0, or sqrt(2) f_pq
         series[p * (p + 1) + q] = rho[:, p, q].transpose(1, 0, 2).reshape(len(p), -1) / np.sqrt(U)
         fit = sh.evaluate(series, views).reshape(len(views), rho.shape[0], -1).transpose(2, 1, 0)
-        kept += U * (fit * (2 * analysis.g[:, q] - fit)).sum(axis=(0, 1))
-    return kept
+        captured += U * (fit * (2 * analysis.g[:, q] - fit)).sum(axis=(0, 1))
+    return captured
 
 
 def _half(theta_i: FloatArray, energy: FloatArray) -> float:

@@ -33,7 +33,7 @@ BUILT_IN = "built-in models"
 FILES = "files of measurements"
 
 QUICK = 60
-"""Materials of a source of which a quick run takes one."""
+"""Step through the materials of a source in a quick run."""
 
 NAMED = 30
 """Most materials of a source that are drawn with their names."""
@@ -44,6 +44,7 @@ Sources = Mapping[str, Mapping[str, Sequence[Accuracy]]]
 
 def make(settings: Settings) -> Result:
     """Analyse every material about both centers."""
+    # Every material of files, fits and models, in parallel
     files = measured(settings.data)
     sources = {
         **({FILES: files} if files else {}),
@@ -56,6 +57,7 @@ def make(settings: Settings) -> Result:
             source: grouped(pool.map(measure, list(brdfs)[::step], list(brdfs.values())[::step]))
             for source, brdfs in sources.items()
         }
+
     return Result(
         NAME,
         f"Fraction of the BRDF's energy that F = {F} and P hold",
@@ -145,9 +147,9 @@ def _counts(sources: Sources) -> list[list[Cell]]:
     """Return the paper's count for each source and class."""
     rows: list[list[Cell]] = []
     for source, classes in sources.items():
-        every = [material for many in classes.values() for material in many]
+        all_materials = [material for many in classes.values() for material in many]
         parts = classes if len(classes) > 1 else {}
-        for name, materials in {**parts, "all": every}.items():
+        for name, materials in {**parts, "all": all_materials}.items():
             wide = [material for material in materials if material.wide]
             reached = [_reaching(materials, center) for center in CENTERS]
             of_wide = [_reaching(wide, center) for center in CENTERS]
@@ -160,7 +162,7 @@ def _reaching(materials: Sequence[Accuracy], center: Center) -> int:
 
 
 def exceptions(sources: Sources) -> list[str]:
-    """Return notes on wide lobes that miss 90% about a center: where the energy is that they miss."""
+    """Return notes on wide lobes that miss 90% about a center, and on where the missing energy is."""
     missing = [
         (source, material)
         for source, classes in sources.items()
@@ -224,7 +226,7 @@ def _rows(classes: Mapping[str, Sequence[Accuracy]]) -> list[range]:
 
 
 def _names(axes: Axes, classes: Mapping[str, Sequence[Accuracy]], single: bool) -> None:
-    """Name each material, or each class with how many of it reach 90%."""
+    """Name each material, or each class with the number of its materials that reach 90%."""
     rows = _rows(classes)
     if single:
         ticks = [y for span in rows for y in span]

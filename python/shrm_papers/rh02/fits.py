@@ -17,7 +17,7 @@ SOURCES: Mapping[str, tuple[str, str, Callable[[Path, str], BRDF]]] = {
     "MERL, fits of Bagher et al. 2012": ("merl-sgd", "merl_sgd_bagher2012.json", SGD.read),
     "fits of Lafortune lobes": ("lafortune", "lafortune_pbrt1.json", Lafortune.read),
 }
-"""By who made them: their name in `shrm.brdf.fits`, their file in a folder, and its reader."""
+"""Sources by their titles: the name in `shrm.brdf.fits`, the file in a folder, and its reader."""
 
 
 def read(folder: Path | None) -> dict[str, dict[str, BRDF]]:

@@ -40,10 +40,10 @@ EPSILON = 0.03
 """Fraction of the BRDF's energy that F and P may leave out [RH02 section 7.1]."""
 
 CODES = 256
-"""Entries of the quantised table's code book: one byte a texel."""
+"""Entries of the code book of the quantised table: one byte per texel."""
 
 LOOK_UPS = 100_000
-"""Look-ups to one measured time."""
+"""Look-ups that are timed together."""
 
 PAPER = {
     "Tabular": ("Yes", "No", "Yes", "No", "No"),
@@ -83,7 +83,7 @@ def make(settings: Settings) -> Result:
 
 
 def notes(measured: dict[str, Any]) -> list[str]:
-    """Return what the numbers mean."""
+    """Return notes on the meaning of the numbers."""
     F, P = measured["orders"]
     return [
         f"(F, P) = ({F}, {P}) leave out {EPSILON:.0%} of the BRDF's energy, about the reflection. Maps have"
@@ -119,14 +119,15 @@ class Case:
     Attributes
     ----------
     light : Environment
-        Reduced, so that it can be integrated.
+        The light, reduced so that it can be integrated.
     material, about_R : BRDF
         The material about its lobe's center, and about the reflection.
     F, P : int
         Orders that leave out `EPSILON` of the BRDF's energy about the reflection.
     S_per_F, T_per_P : int
-        S / F, S^2 being the texels of a map, and T / P, T x T the views of explicit sets.
+        S / F, where maps have S^2 texels, and T / P, where explicit sets have T x T views.
     quick : bool
+        True for fewer texels, frames and rounds.
     """
 
     light: Environment
@@ -164,7 +165,7 @@ class Case:
 
     @property
     def fresh_light(self) -> Environment:
-        """The light without coefficients that were kept, so that times include them."""
+        """The light without kept coefficients, so that times include their computation."""
         return Environment(self.light.pixels)
 
     def shrm(self, orders: tuple[int, int], size: int) -> ReflectionMap:
@@ -185,7 +186,7 @@ class Comparison:
     Attributes
     ----------
     rows : list
-        Method, representation, size, MB, error, seconds of building.
+        Rows of method, representation, size, MB, error, and seconds of building.
     look_ups : list of callables
         The look-ups of each row that are to be timed.
     """

@@ -35,12 +35,14 @@ def make(settings: Settings) -> Result:
 
 def row_of(row: dict[str, Any], size: int, peak: float) -> dict[str, Cell]:
     """Return the cells of a row by their headings, from what was measured."""
+    # Ours, the paper's, and the operations that ours take
     sigma = row["sigma"]
     a, b, shrm, frequency, papers_shrm, papers_frequency, one_shot = row["seconds"]
     F, P, angular_paper, map_paper, frequency_paper, shrm_paper = PAPER[sigma]
     flops_a, flops_b = (flops.half_angle_flops(row["samples"], tabulated) for tabulated in (False, True))
     flops_shrm = flops.shrm_flops(size, *row["orders"])
     flops_frequency = flops_shrm + T * T * flops.view_flops(size, row["orders"][1])
+
     return {
         "sigma": sigma,
         f"F, P for {BRDF_EPSILON:.0%}": "{}, {}".format(*row["by energy"]),
@@ -80,7 +82,7 @@ def row_of(row: dict[str, Any], size: int, peak: float) -> dict[str, Cell]:
 
 
 def notes(measured: dict[str, Any]) -> list[str]:
-    """Return what the numbers mean."""
+    """Return notes on the meaning of the numbers."""
     size, views = measured["size"], measured["views"]
     return [
         f"Light and maps are {2 * size} x {size} lat-long, RGB, the maps over the reflected view R; the"
