@@ -1,4 +1,4 @@
-"""Vectors in arrays."""
+"""Unit vectors, and directions spread evenly by the golden ratio."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from shrm.arrays import FloatArray
 
 GOLDEN_RATIO = (np.sqrt(5) - 1) / 2
-"""Its multiples, modulo 1, fill [0, 1) evenly however many there are."""
+"""The golden ratio, less than 1: its multiples, modulo 1, fill [0, 1) evenly however many there are."""
 
 
 def unit(vectors: FloatArray) -> FloatArray:

@@ -1,1 +1,1 @@
-"""What tests share: oracles, inputs, meshes, the driver of the window."""
+"""Oracles, inputs, meshes and the driver of the window, which tests share."""

@@ -1,6 +1,6 @@
-"""What a machine may lack. A test that needs it is skipped; under CI it fails, for there nothing is left out.
+"""Things that a machine may lack: tests that need one are skipped, but fail under CI, which has them all.
 
-`CI` in the environment says which, as on the services of continuous integration.
+The environment variable `CI` tells, as services of continuous integration set it.
 """
 
 import os
@@ -11,18 +11,18 @@ from pathlib import Path
 import pytest
 
 
-def require(present: object, what: str) -> None:
+def require(present: object, name: str) -> None:
     """Go on if something is present; otherwise skip the test, or fail it under CI.
 
     Parameters
     ----------
     present : object
-        Whether it is there, by its truth.
-    what : str
-        What the test needs, and how to get it.
+        True, or of a true value, if it is present.
+    name : str
+        Name of the thing, and how to get it.
     """
     if not present:
-        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"needs {what}")
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"needs {name}")
 
 
 def tool(name: str) -> str:

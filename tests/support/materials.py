@@ -94,22 +94,22 @@ MODELS: Mapping[str, Making] = {
         lambda: brdf.parse("merl-abc:blue-metallic-paint"), lambda: brdf.parse("merl-sgd:gold-metallic-paint")
     ),
 }
-"""By the name of the constructor, and what is special about it."""
+"""Ways to make a material, by the name of the constructor and a word on the variant."""
 
 
 def derived(material: brdf.BRDF) -> dict[str, brdf.BRDF]:
-    """Return what is made of a material: sums, products, and it about other centers where it can be."""
-    made = {
+    """Return sums and products of a material, and the material about other centers where it can be."""
+    materials = {
         "sum": material + brdf.Lambert(0.25),
         "product": 0.5 * material,
         "product of three": (1.0, 0.5, 0.25) * material,
     }
     if all(lobe.kind in ("radial", "isotropic") for lobe in material.lobes):
         centers: tuple[Literal["reflection", "normal"], ...] = ("reflection", "normal")
-        made |= {f"about the {center}": material.recentered(center) for center in centers}
+        materials |= {f"about the {center}": material.recentered(center) for center in centers}
         if not any(lobe.kind == "radial" and lobe.center == "reflection" for lobe in material.lobes):
-            made["merged"] = material.recentered("reflection", merge=True)
-    return made
+            materials["merged"] = material.recentered("reflection", merge=True)
+    return materials
 
 
 MEASURED = ("MERL", "RGL", "Cornell", "CUReT", "ALTA of one angle", "ALTA of two", "ALTA of three")

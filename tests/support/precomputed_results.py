@@ -16,9 +16,9 @@ def computed() -> RadianceTransfer:
 
 
 def results(held: RadianceTransfer) -> dict[str, np.ndarray]:
-    """What is chosen, the matrices, and what components make of them."""
-    found = {"M": np.array(held.M), "K": np.array([held.variants[name].K for name in ALL])}
+    """Return the sizes that were chosen, the matrices, and these rebuilt from components."""
+    arrays = {"M": np.array(held.M), "K": np.array([held.variants[name].K for name in ALL])}
     for name in ALL:
-        found[f"{name} matrices"] = matrices(held, name)
-        found[f"{name} rebuilt"] = rebuilt(held, name, held.variants[name].K)
-    return found
+        arrays[f"{name} matrices"] = matrices(held, name)
+        arrays[f"{name} rebuilt"] = rebuilt(held, name, held.variants[name].K)
+    return arrays

@@ -24,16 +24,16 @@ def header(fields: dict[str, np.ndarray], offsets: dict[str, int]) -> bytes:
 
 
 def content(fields: dict[str, np.ndarray]) -> bytes:
-    """A file with these fields, each at a multiple of eight bytes."""
-    whole = bytearray(header(fields, dict.fromkeys(fields, 0)))
+    """Return a file with these fields, each at a multiple of eight bytes."""
+    data = bytearray(header(fields, dict.fromkeys(fields, 0)))
     offsets = {}
     for name, values in fields.items():
-        whole += b"\0" * (-len(whole) % 8)
-        offsets[name] = len(whole)
-        whole += values.tobytes()
+        data += b"\0" * (-len(data) % 8)
+        offsets[name] = len(data)
+        data += values.tobytes()
     start = header(fields, offsets)
-    whole[: len(start)] = start
-    return bytes(whole)
+    data[: len(start)] = start
+    return bytes(data)
 
 
 def read(path: Path) -> dict[str, np.ndarray]:
@@ -59,9 +59,9 @@ def hats(u: np.ndarray, n: int) -> np.ndarray:
 def integrals(u: np.ndarray, n: int) -> np.ndarray:
     """Integrals of the hats from 0 to u, (len(u), n)."""
     t = np.clip(u[:, None] * (n - 1) - np.arange(n), -1, 1)
-    whole = np.where(t < 0, (1 + t) ** 2 / 2, 1 - (1 - t) ** 2 / 2)
-    whole[:, 0] -= 0.5  # of the first, half lies before 0
-    return whole / (n - 1)
+    areas = np.where(t < 0, (1 + t) ** 2 / 2, 1 - (1 - t) ** 2 / 2)
+    areas[:, 0] -= 0.5  # of the first, half lies before 0
+    return areas / (n - 1)
 
 
 def linear_weights(x: np.ndarray, nodes: np.ndarray) -> np.ndarray:
@@ -136,8 +136,8 @@ def half_vectors(D: np.ndarray, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarra
     one = np.ones(1)
     v = bisected(lambda at: integrals(at, rows) @ (D @ integrals(one, columns)[0]), y)
     of_row = hats(v, rows) @ D
-    wanted = x * (of_row @ integrals(one, columns)[0])
-    return bisected(lambda at: np.einsum("nx,nx->n", of_row, integrals(at, columns)), wanted), v
+    target = x * (of_row @ integrals(one, columns)[0])
+    return bisected(lambda at: np.einsum("nx,nx->n", of_row, integrals(at, columns)), target), v
 
 
 def bisected(rising: Callable[[np.ndarray], np.ndarray], value: np.ndarray) -> np.ndarray:

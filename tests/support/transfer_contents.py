@@ -16,8 +16,8 @@ def random(seed: int, *shape: int, dtype: Any = np.float32) -> np.ndarray:
 
 
 def transfer(**change: Any) -> RadianceTransfer:
-    """Everything that a file can hold."""
-    made: dict[str, Any] = {
+    """Return an object with everything that a file can hold, some of it changed."""
+    fields: dict[str, Any] = {
         "vertices": random(0, V, 3),
         "faces": np.random.default_rng(1).integers(0, V, (5, 3), np.int32),
         "frames": Rotation.random(V, rng=np.random.default_rng(2)).as_matrix().astype(np.float32),
@@ -38,4 +38,4 @@ def transfer(**change: Any) -> RadianceTransfer:
         "material": "lambert(albedo=0.5) – Ω",
         "report": {"SNR": 24.5, "path": "direct", "list": [1, None, True, {"ü": -1e-300}]},
     }
-    return RadianceTransfer(**{**made, **change})
+    return RadianceTransfer(**{**fields, **change})

@@ -12,7 +12,7 @@ Mesh = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass
 class Surface:
-    """What `precompute` takes."""
+    """A mesh as `precompute` takes it."""
 
     vertices: np.ndarray
     faces: np.ndarray

@@ -46,11 +46,11 @@ def transferred(
     A = np.einsum("ctj,pjk->ptck", Q, R)
     shade = {"unshadowed": 1.0, "shadowed": np.where(normals[:, 2] < 0, 0.3, 1.0)}
     shade["interreflected"] = 0.8 * shade["shadowed"] + 0.2
-    made = {}
+    contents = {}
     for name in variants:
         shaded = (A * np.reshape(shade[name], (-1, 1, 1, 1))).reshape(len(A), -1)
         left, s, right = np.linalg.svd(shaded, full_matrices=False)
-        made[name] = Variant(
+        contents[name] = Variant(
             weights=(left * s)[:, :COMPONENTS].astype(np.float32),
             components=right[:COMPONENTS].reshape(COMPONENTS, *A.shape[1:]).astype(np.float32),
         )
@@ -61,7 +61,7 @@ def transferred(
         n=N,
         M=M,
         channels=A.shape[2],
-        variants=made,
+        variants=contents,
         uv=uv.astype(np.float32),
         material=named or material.name,
         report={

@@ -25,7 +25,7 @@ from support import oracles
 Array = np.ndarray
 
 _ABOVE = 1e-5
-"""Where rays start, of the mesh's longest side."""
+"""Height of the starts of rays above the surface, relative to the mesh's longest side."""
 
 
 def spiral(count: int, turn: Array) -> Array:

@@ -88,7 +88,7 @@ class Hands:
         assert GL.glGetError() == 0
 
     def look(self, *, whole: bool = False, away: bool = True) -> Pixels:
-        """What the window shows, (H, W, 3), without the panel; `away`: the pointer leaves it first."""
+        """Return the window's pixels (H, W, 3) without the panel; with `away` the pointer leaves it first."""
         if away:  # an explanation of the control under it may lie over the picture
             self.app.on_cursor(WIDTH + 2.0, 2.0)
             self.app.draw()
@@ -141,8 +141,8 @@ def windows(sky: Path, folder: Path, test: str) -> Iterator[Opened]:
     opened = []
 
     def open_(height: int = SHAPE[0], **changes: object) -> Hands:
-        given = {"environment": str(sky), "materials": ("ggx:0.4",), **changes}
-        state = State(**given)  # type: ignore[arg-type]
+        fields = {"environment": str(sky), "materials": ("ggx:0.4",), **changes}
+        state = State(**fields)  # type: ignore[arg-type]
         hands = Hands(Application(state, (height, SHAPE[1]), visible=False, folder=folder))
         opened.append(hands)
         hands.settle()

@@ -7,6 +7,11 @@ function of (wi, wo).
     lobe          transfer functions about a center; start here
     material      their sums: `BRDF`, what all models are
     value         what makes them equal, hashable and picklable
+    half_vector   the half vector of a pair of directions, for microfacet models
+    cosine_power  powers of cosines that keep their digits, for sharp lobes
+    peaks         the widths of peaks too narrow for ordinary nodes
+    parameters    bounds on parameters, and how names write them
+    angle_table   regular tables over three angles, for measurements
     lambert       about the normal
     phong         about the reflection
     microfacet    lafortune    ggx    beckmann    tabulated    about the lobe center

@@ -40,16 +40,16 @@ _HALVINGS = 22
 """Halvings of the panels towards a peak: the smallest, pi / 2^22, is below the narrowest lobe allowed."""
 
 _MORE = 12
-"""Halvings besides, where those do not suffice: such a lobe seen a thousandth of a radian from grazing."""
+"""Further halvings where these do not suffice: for such a lobe seen a thousandth of a radian from grazing."""
 
 _HALVINGS_2D = 12
 """Halvings where panels halve in two dimensions at once, to 7e-4 radians: nodes grow with the square."""
 
-_SEEN = 1.5e-3
-"""Slope of half vectors that panels in two dimensions see: narrower peaks have nodes of their own."""
+_SMALLEST_SLOPE = 1.5e-3
+"""Slope of half vectors that panels in two dimensions resolve: narrower peaks have nodes of their own."""
 
 _LARGEST_SLOPE = 1e3
-"""Where these end, a thousandth of a radian from the horizon."""
+"""Slope of half vectors at which these nodes end, a thousandth of a radian from the horizon."""
 
 _HALVINGS_AZIMUTH = 9
 """Halvings of the panels of azimuth towards both ends."""
@@ -191,7 +191,7 @@ def _isotropic(lobe: Lobe, cos_theta_v: float, nodes: int, more: int) -> FloatAr
 def _anisotropic(lobe: Lobe, cos_theta_v: float, nodes: int, more: int, *, phi_v: float) -> FloatArray:
     view = _direction(cos_theta_v, phi_v)
     widths = _slope_widths(lobe, view)
-    if min(widths) < _SEEN:
+    if min(widths) < _SMALLEST_SLOPE:
         return _over_slopes(lobe, view, widths, 2 * nodes)
     sin_v = np.sqrt((1.0 - cos_theta_v) * (1.0 + cos_theta_v))
     theta_v = np.arctan2(sin_v, cos_theta_v)

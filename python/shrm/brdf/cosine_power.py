@@ -1,7 +1,7 @@
-"""Powers of cosines that keep their digits where they are narrow, and profiles that take what that needs.
+"""Powers of cosines that keep their digits where they are narrow, and profiles that take the haversine too.
 
-cos^s falls to half within 1.2 / sqrt(s) radians of its maximum, where a cosine in float64 is rounded to
-1e-16: by s 1e-16 of the power. sin^2(theta / 2), the haversine, has no such rounding.
+cos^s falls to half within 1.2 / sqrt(s) radians of its maximum, where the rounding of a cosine in float64,
+1e-16, changes the power by s 1e-16 of itself. The haversine sin^2(theta / 2) has no such rounding.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from shrm.arrays import FloatArray
 from shrm.brdf.value import Method
 
 SHARP = 1e4
-"""Exponents from which the haversine is used: below, the rounding of the cosine does less than 1e-12."""
+"""Exponent from which on the haversine is used: below, the rounding of the cosine changes less than 1e-12."""
 
 
 class SharpProfile(Method[FloatArray]):

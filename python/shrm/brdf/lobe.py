@@ -73,7 +73,7 @@ class Scaled(Value):
 
     @property
     def takes_haversine(self) -> bool:
-        """Whether the function is a profile of cosine and haversine; see `shrm.brdf.cosine_power`."""
+        """True if the function is a profile of cosine and haversine; see `shrm.brdf.cosine_power`."""
         return bool(getattr(self.function, "takes_haversine", False))
 
     def __call__(self, *angles: FloatArray) -> FloatArray:

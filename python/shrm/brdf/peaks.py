@@ -1,7 +1,7 @@
-"""Lobes whose peak is narrower than what ordinary nodes are sure to see.
+"""Finding peaks of lobes that are too narrow for ordinary nodes.
 
-Ordinary nodes begin about a thousandth of a radian from the center. A lobe that changes within it is looked
-at along a ladder of angles that shrink towards the center, and gets nodes from its own width on.
+Ordinary nodes begin about a thousandth of a radian from the center. A lobe that changes within that angle is
+sampled along a ladder of angles that shrink towards the center, and gets nodes from its own width on.
 """
 
 from __future__ import annotations
@@ -14,18 +14,24 @@ from shrm.arrays import BoolArray, FloatArray
 
 NARROW = 1e-3
 """Angle from the center within which ordinary lobes are flat, radians."""
+
 LADDER = 512 * NARROW * 0.5 ** np.arange(43.0)
 """Angles at which peaks are looked for, radians: to 1e-13, far below any lobe that float64 can hold."""
+
 NARROW_RING = 0.064
-"""What `NARROW` is for lobes about a tangent, whose nodes are spread evenly."""
+"""Angle in place of `NARROW` for lobes about a tangent, whose nodes are spread evenly, radians."""
+
 _RISE = 1.5
-"""Factor by which a lobe rises from the side of a peak to its top, or more."""
+"""Least factor by which a lobe rises from the side of a peak to its top."""
+
 _MUCH_NARROWER = 0.125
-"""Part of the angle that holds half of a lobe's energy below which a peak is one of its own."""
+"""Fraction of the angle that holds half of a lobe's energy below which a peak gets panels of its own."""
+
 _BISECTIONS = 45
-"""Steps that find an end of a profile to float64's rounding."""
+"""Steps of bisection that find an end of a profile to float64's rounding."""
+
 _FAINT = 1e-3
-"""Part of the highest peak that others have to reach: the tails of lobes rise steeply, too."""
+"""Fraction of the highest peak that others must reach: the tails of lobes rise steeply, too."""
 
 
 def peak_width(values: FloatArray) -> float:

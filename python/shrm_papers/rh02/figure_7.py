@@ -125,7 +125,7 @@ def view_reflecting(light: FloatArray, incidence: float) -> View:
 
 
 _TILT = np.radians(20.0)
-"""How far the view's side is turned upwards: lights are above, and viewers not to be far below."""
+"""Angle by which the view's side is turned upwards: lights are above, and viewers not to be far below."""
 
 
 def _rows(pictures: dict[str, Pictures], captured: dict[tuple[Center, int], float]) -> list[Row]:
