@@ -171,7 +171,7 @@ def test_files_that_are_no_environment(tmp_path: Path) -> None:
         Environment.read(tmp_path / "one.exr")
     image_io.write_image(tmp_path / "odd.exr", np.ones((5, 7, 3), np.float32))
     with pytest.raises(
-        ImageError, match=r"odd\.exr: a picture of 7 x 5 has the aspect of no known layout; .*strip"
+        ImageError, match=r"odd\.exr: a picture must have a layout's aspect, got 7 x 5; .*strip"
     ):
         Environment.read(tmp_path / "odd.exr")
     with pytest.raises(ImageError, match=r"odd\.exr: a picture of layout strip is n x 6n or 6n x n"):

@@ -138,9 +138,10 @@ def sky_radiance(directions: FloatArray, sun: FloatArray, turbidity: float) -> F
         powers = np.array([s**3, s**2, s, 1.0])
         return float(np.array([turbidity**2, turbidity, 1.0]) @ np.array(_ZENITH[name]) @ powers)
 
+    # Luminance and chromaticity, [PSS99] eq. 4, as linear Rec. 709
     Y, x, y = (
         zenith(name) * perez(name, cos_theta, cos_gamma) / perez(name, 1.0, math.cos(s)) for name in "Yxy"
-    )  # [PSS99] eq. 4
+    )
     Y = np.maximum(Y, 0.0)
     xyz = np.stack([x / y * Y, Y, (1 - x - y) / y * Y], axis=1)
     result: FloatArray = np.maximum(xyz @ color.rec709_from_xyz().T, 0) / RADIANCE_UNIT

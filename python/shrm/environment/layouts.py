@@ -97,7 +97,7 @@ def recognise(height: int, width: int, hint: str | None = None) -> str:
     if 6 in (width / height, height / width):
         return "strip"
     raise ValueError(
-        f"a picture of {width} x {height} has the aspect of no known layout; name one of {', '.join(LAYOUTS)}"
+        f"a picture must have a layout's aspect, got {width} x {height}; name one of {', '.join(LAYOUTS)}"
     )
 
 

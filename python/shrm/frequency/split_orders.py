@@ -110,11 +110,13 @@ def split_material(
     Split
         Lobes about the tangent, and others that depend on two angles from their center, stay whole.
     """
+    # The squared error that is allowed to each lobe
     F, P = caps
     L = max(F, DEGREES)
     power = LightPower.of(env, L)
     allowed = (SMOOTH_SHARE * tolerance) ** 2 * whole_energy(brdf, env, P) / len(brdf.lobes)
 
+    # Lobes that the largest orders do not hold are split, then orders chosen for what is left.
     smooth_lobes: list[Lobe] = []
     cores: list[IsotropicLobe | RadialLobe | None] = []
     orders: list[tuple[int, int]] = []

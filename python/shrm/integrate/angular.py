@@ -204,7 +204,7 @@ def prefilter_angular(
         raise TypeError(f"symmetry must be True or False, got {symmetry!r}")
     parts = [lobe_integral(lobe, cutoff, center, symmetry) for lobe in lobes_of(brdf)]
     if not parts:
-        raise ValueError("brdf has no lobes, but needs at least one")
+        raise ValueError("brdf must have at least one lobe, got none")
     cut = 1
     if subsamples is None:
         cut, subsamples = resolving(pixels.shape, min(part.width for part in parts))

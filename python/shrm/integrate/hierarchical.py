@@ -93,7 +93,7 @@ def prefilter_hierarchical(
 
     lobes = [lobe_descent(lobe) for lobe in lobes_of(brdf)]
     if not lobes:
-        raise ValueError("brdf has no lobes, but needs at least one")
+        raise ValueError("brdf must have at least one lobe, got none")
     pyramid = _core.Pyramid(pixels)
     if tolerance is None:
         thresholds, errors = [float(threshold or 0.0)] * len(lobes), None
