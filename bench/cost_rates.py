@@ -56,6 +56,13 @@ def frequency_rates() -> dict[str, float]:
     tiny = Environment.daylight(size=8)
     rm = prefilter(light, brdf.GGX(0.3), orders=(16, 4), size=256)
     out = np.empty((256, 512, 3), np.float32)
+    up = np.random.default_rng(0).normal(size=(10**5, 3))
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    looked_up = []
+    for P in (0, 4):
+        maps = prefilter(light, brdf.GGX(0.3), orders=(16, P), size=128)
+        looked_up.append(least(lambda maps=maps: maps.radiance(up, up)) / len(up))
+    by_value = line((3.0, 75.0), (looked_up[0], looked_up[1]))
     return {
         "call": least(lambda: prefilter(tiny, brdf.Phong(8), orders=(1, 0), size=2)),
         "analysis": analysis[0],
@@ -64,6 +71,8 @@ def frequency_rates() -> dict[str, float]:
         "synthesis by degree": by_degree[1],
         "synthesis of cubes": cube,
         "view": least(lambda: rm.at_view(VIEW, out)) / (25 * out.size),
+        "point": by_value[0],
+        "point by value": by_value[1],
     }
 
 

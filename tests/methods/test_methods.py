@@ -83,6 +83,7 @@ def test_either_way_the_tolerance_is_met(method):
     ("changed", "error", "text"),
     [
         ({"views": 0}, ValueError, "views must be"),
+        ({"points": -1}, ValueError, "points must be"),
         ({"size": 1}, ValueError, "size must be"),
         ({"layout": "fisheye"}, ValueError, "layout must be one of latlong, cube, got 'fisheye'"),
         ({"tolerance": 0.0}, ValueError, "tolerance must be"),
@@ -134,3 +135,29 @@ def test_what_no_nodes_resolve_is_said():
 def test_results_say_their_size_and_layout(method):
     reflection = METHODS[method](SKY, brdf.Phong(20), size=12, layout="cube")
     assert (reflection.size, reflection.layout) == (12, "cube")
+
+
+def test_points_cost_what_they_are_asked_for_not_what_maps_are():
+    """Each pixel of a picture asks for its own direction and view: a map of few texels says nothing of that."""
+    glossy, n = brdf.GGX(0.15), 10**9
+    chosen = orders.Orders(40, 1, 0.0, "", (orders.LobeOrders(40, 1, 0.0, 1.0),))
+
+    def costs(points: int, views: int = 1) -> np.ndarray:
+        work = (32 * 64, glossy, 2 * 32**2, "latlong", views)
+        return np.array(
+            [
+                cost.frequency_seconds(*work, chosen, points),  # type: ignore[arg-type]
+                cost.angular_seconds(*work, 0.05, points),  # type: ignore[arg-type]
+                cost.hierarchical_seconds(*work, points),  # type: ignore[arg-type]
+            ]
+        )
+
+    # In proportion to many points, whatever the views
+    np.testing.assert_allclose(costs(2 * n) / costs(n), 2.0, rtol=1e-2)
+    np.testing.assert_array_equal(costs(n), costs(n, views=100))
+    # The integrators take as long for as many points as a map has texels
+    np.testing.assert_allclose(costs(2 * 32**2)[1:], costs(0)[1:], rtol=1e-12)
+    # A table for descents pays for the pixels of a picture, and not for a small map
+    light = Environment.daylight(size=64)
+    assert cheapest(light, glossy, size=8) == "angular"
+    assert cheapest(light, glossy, size=8, points=10**6) == "hierarchical"

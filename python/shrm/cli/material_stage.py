@@ -67,15 +67,20 @@ class MaterialStage(Stage):
             return self._in_frequency_space(material)
 
     def _cheapest(self, material: BRDF) -> str:
-        """Return the method that is predicted to cost least for the pictures that are drawn."""
+        """Return the method that is predicted to cost least for the pictures that are drawn.
+
+        Radiance is asked for at every sample of every pixel, by a distant viewer too, as if each object
+        filled its share of the picture.
+        """
         from shrm.methods.cost import cheapest
 
         F_max, P_max = largest_orders(self.options)
+        H, W = self.shape
         return cheapest(
             self.env,
             material,
             tolerance=self.options.tolerance or FREQUENCY_TOLERANCE,
-            views=self.options.frames or 1,
+            points=self.frames * self.options.samples**2 * H * W // len(self.centers),
             F_max=F_max,
             P_max=P_max,
         )

@@ -32,6 +32,7 @@ from shrm.cli.options import (
     material_text,
     parse_brdf,
 )
+from shrm.cli.stage import FRAMES
 
 if TYPE_CHECKING:
     from shrm.cli.options import Arguments
@@ -40,9 +41,6 @@ if TYPE_CHECKING:
     from shrm.prefiltered import Prefiltered
 
 EXAMPLE = "shrm render --env grace.hdr --brdf lambert:0.8 --brdf ggx:0.1 --mesh bunny.ply -o bunnies.png"
-
-FRAMES = 120
-"""Default of --frames, the pictures of a turntable."""
 
 METHODS = ("frequency", "angular", "hierarchical", "auto")
 
@@ -244,7 +242,7 @@ def _write(stage: Stage, options: argparse.Namespace) -> None:
     """Draw a picture, or all of a turntable, into files."""
     from shrm.render import numbered, write_picture
 
-    frames = 1 if options.turntable is None else options.frames or FRAMES
+    frames = stage.frames
     paths = [options.output if frames == 1 else numbered(options.output, k, frames) for k in range(frames)]
     exposure = options.exposure
     with progress("Rendering" if frames == 1 else f"Rendering {frames} pictures") as report:

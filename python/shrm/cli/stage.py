@@ -22,6 +22,9 @@ GPU_MAP_SIZE = 128
 DIAMETER = 320
 """Diameter of an object in the picture by default, pixels."""
 
+FRAMES = 120
+"""Default of --frames, the pictures of a turntable."""
+
 
 class Stage(ABC):
     """Light and camera for a row of objects, as the options of `shrm render` have them.
@@ -55,6 +58,11 @@ class Stage(ABC):
             count, self.shape[1] / self.shape[0], azimuth, elevation, options.fov
         )
         self.camera = camera.zoomed(options.zoom)
+
+    @property
+    def frames(self) -> int:
+        """Number of pictures: one, or those of a turntable."""
+        return 1 if self.options.turntable is None else self.options.frames or FRAMES
 
     @abstractmethod
     def objects(self, rotation: FloatArray, camera: Camera) -> list[Object]:

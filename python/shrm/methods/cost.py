@@ -61,6 +61,7 @@ def cheapest(
     size: int | None = None,
     layout: Layout = "latlong",
     views: int = 1,
+    points: int = 0,
     F_max: int = F_MAX,
     P_max: int = P_MAX,
 ) -> Method:
@@ -80,6 +81,9 @@ def cheapest(
         The grid of the maps.
     views : int
         Number of views for which a map is made.
+    points : int
+        Number of points at which `radiance` is asked for, each with a view of its own. Above 0, maps for
+        views are not made, and `views` means nothing.
     F_max, P_max : int
         Caps on the orders in frequency space; what needs more is left to the integrators.
 
@@ -103,67 +107,91 @@ def cheapest(
     one_of("layout", layout, get_args(Layout))
     edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 2, 8192)
     whole_number("views", views, 1)
+    whole_number("points", points, 0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)
         chosen = choose(env, brdf, tolerance=tolerance, F_max=F_max, P_max=P_max)
     H, W, _ = env.pixels.shape
     texels = edge * edge * (2 if layout == "latlong" else 6)
     work = (H * W, brdf, texels, layout, views)
-    seconds: dict[Method, float] = {"angular": angular_seconds(*work, tolerance)}
+    seconds: dict[Method, float] = {"angular": angular_seconds(*work, tolerance, points)}
     if not chosen.limited_by:
-        seconds["frequency"] = frequency_seconds(*work, chosen)
+        seconds["frequency"] = frequency_seconds(*work, chosen, points)
     if min(map(half_width, brdf.lobes)) >= _TEXELS_TO_A_WIDTH * max(math.pi / H, 2 * math.pi / W):
-        seconds["hierarchical"] = hierarchical_seconds(*work)
+        seconds["hierarchical"] = hierarchical_seconds(*work, points)
     return min(seconds, key=lambda method: seconds[method])
 
 
 def frequency_seconds(
-    light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int, orders: Orders
+    light_texels: int,
+    brdf: BRDF,
+    texels: int,
+    layout: Layout,
+    views: int,
+    orders: Orders,
+    points: int = 0,
 ) -> float:
-    """Predict the time in frequency space: analysis, synthesis and a sum for each view [RH02 eq. 9]."""
+    """Predict the time in frequency space: analysis, synthesis and a sum for each view [RH02 eq. 9].
+
+    With points, in place of the sums for views, a look-up in all maps for each point.
+    """
     rate = rates()
     seconds = rate["call"] + light_texels * (rate["analysis"] + rate["analysis by degree"] * orders.F)
     for lobe, of_lobe in zip(brdf.lobes, orders.lobes, strict=True):
         global_form = lobe.kind == "isotropic"
-        values = 3 * texels * ((of_lobe.P + 1) ** 2 if global_form else of_lobe.P + 1)
+        per_texel = 3 * ((of_lobe.P + 1) ** 2 if global_form else of_lobe.P + 1)
+        values = texels * per_texel
         J = of_lobe.F + (of_lobe.P if global_form else 0)
         if layout == "cube":
             per_value = rate["synthesis of cubes"] * (J + 1) ** 2
         else:
             per_value = rate["synthesis"] + rate["synthesis by degree"] * J
-        seconds += values * (per_value + rate["view"] * views)
+        seconds += values * (per_value + (0 if points else rate["view"] * views))
+        seconds += points * (rate["point"] + rate["point by value"] * per_texel)
     return seconds
 
 
 def angular_seconds(
-    light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int, tolerance: float
+    light_texels: int,
+    brdf: BRDF,
+    texels: int,
+    layout: Layout,
+    views: int,
+    tolerance: float,
+    points: int = 0,
 ) -> float:
     """Predict the time by integration: tables, and each texel of a map against those of the light in its cap.
 
-    The cap is the one that holds all but the tolerance of the lobe's integral [RH02 appendix D].
+    The cap is the one that holds all but the tolerance of the lobe's integral [RH02 appendix D]. With points,
+    these are integrated in place of the texels of maps.
     """
     rate = rates()
     seconds = rate["call"]
     for lobe in brdf.lobes:
         kind = lobe.kind
-        pairs = texels * light_texels * share_visited(lobe, CUTOFF_OF_TOLERANCE * tolerance)
-        by_symmetry = kind == "radial" and layout == "latlong"
-        maps = 1 if kind == "radial" else views
+        visited = light_texels * share_visited(lobe, CUTOFF_OF_TOLERANCE * tolerance)
+        by_symmetry = kind == "radial" and layout == "latlong" and not points
+        queried = points or texels * (1 if kind == "radial" else views)
         per_pair = rate[f"pair {kind}"] * (_COLORED if lobe.channels == 3 and kind == "isotropic" else 1.0)
-        per_map = pairs * (rate["pair by symmetry"] if by_symmetry else per_pair)
-        seconds += rate[f"table {kind}"] + maps * (per_map + (0 if by_symmetry else rate["query"] * texels))
+        per_query = visited * rate["pair by symmetry"] if by_symmetry else visited * per_pair + rate["query"]
+        seconds += rate[f"table {kind}"] + queried * per_query
     return seconds
 
 
-def hierarchical_seconds(light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int) -> float:
-    """Predict the time of a descent: the pyramid, tables, the search for a threshold, and each map."""
+def hierarchical_seconds(
+    light_texels: int, brdf: BRDF, texels: int, layout: Layout, views: int, points: int = 0
+) -> float:
+    """Predict the time of a descent: the pyramid, tables, the search for a threshold, and each map.
+
+    With points, these in place of the texels of maps.
+    """
     rate = rates()
     seconds = rate["call"] + light_texels * rate["pyramid"]
     for lobe in brdf.lobes:
         kind = lobe.kind
-        maps = _SEARCHED_MAPS + (1 if kind == "radial" else views)
+        queried = points or texels * (1 if kind == "radial" else views)
         per_texel = rate[f"descent {kind}"] * (_COLORED if lobe.channels == 3 else 1.0)
         if kind == "zonal":  # a ring is entered all along
             per_texel *= max(1.0, _RING_WIDTH / half_width(lobe))
-        seconds += rate[f"table {kind}"] + (maps * texels + _SEARCHED_TEXELS) * per_texel
+        seconds += rate[f"table {kind}"] + (_SEARCHED_MAPS * texels + _SEARCHED_TEXELS + queried) * per_texel
     return seconds
