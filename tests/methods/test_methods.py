@@ -138,7 +138,7 @@ def test_results_say_their_size_and_layout(method):
 
 
 def test_points_cost_what_they_are_asked_for_not_what_maps_are():
-    """Each pixel of a picture asks for its own direction and view: a map of few texels says nothing of that."""
+    """Each pixel of a picture has its own direction and view: the texels of a map say nothing of that."""
     glossy, n = brdf.GGX(0.15), 10**9
     chosen = orders.Orders(40, 1, 0.0, "", (orders.LobeOrders(40, 1, 0.0, 1.0),))
 
