@@ -231,6 +231,7 @@ def run(options: argparse.Namespace) -> None:
         raise argparse.ArgumentError(None, f"one of the arguments {TRANSFER_FILE} --brdf --map is required")
     from shrm.cli.material_stage import MaterialStage
 
+    # Materials and saved maps, in the order of the command line
     row = [
         _saved_maps(text) if kind == "map" else parse_brdf(material_text(options, text))
         for kind, text in options.row

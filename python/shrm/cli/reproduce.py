@@ -73,11 +73,15 @@ def run(options: argparse.Namespace) -> None:
     for folder in (options.data, options.fits):
         if folder is not None and not folder.is_dir():
             raise NotADirectoryError(errno.ENOTDIR, "is not a folder", str(folder))
+
+    # The light, and the other settings
     with progress("Reading the environment"):
         env = read_environment(options)
     if not env.pixels.any():
         raise ValueError(f"{options.env}: every texel is black, and nothing reflects no light")
     settings = Settings(env, Path(options.env).stem, options.fits, options.mesh, options.quick, options.data)
+
+    # The results in the papers' order, each written at once
     results = []
     for name in RESULTS:
         if options.names and name not in options.names:

@@ -83,12 +83,15 @@ def read(path: Path, extrapolate: Extrapolate = "nearest", *, sample: int | None
     ValueError
         If it is not as described above; the text names the file and what is wrong.
     """
+    # Coefficients
     rows = _rows(path)
     count = rows.shape[1] - 1
     if count in ORDERS:
         number, coefficients = _channels(path, rows, sample)
         notes = [f"order {ORDERS[count]} of Koenderink and van Doorn, {count} coefficients, taken as a_nml"]
         return _material(path, number, coefficients.T, ORDERS[count], np.pi / 2, extrapolate, notes)
+
+    # Measurements, with their directions in a table beside them
     if count == MEASUREMENTS:
         number, values = _channels(path, rows, sample)
         directions = _rows(path.with_name("table.txt"))
@@ -98,6 +101,8 @@ def read(path: Path, extrapolate: Extrapolate = "nearest", *, sample: int | None
                 f"{directions.shape[0]} of {directions.shape[1]}"
             )
         return _fitted(path, number, directions[:, [3, 4, 1, 2]], values.T, extrapolate)
+
+    # Measurements of one sample, each row with its directions
     if rows.shape[1] in (5, 7):
         if sample is not None:
             raise ValueError(f"{path}: holds one sample, which has no number, got sample {sample}")
