@@ -111,8 +111,8 @@ class Planes:
         corners = points[faces]
         edges = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
         areas = _corner_areas(edges)
-        whole = areas.any(axis=1, keepdims=True)
-        F, u = whole * unit(np.cross(edges[:, 2], edges[:, 0])), whole * unit(edges[:, 2])
+        proper = areas.any(axis=1, keepdims=True)
+        F, u = proper * unit(np.cross(edges[:, 2], edges[:, 0])), proper * unit(edges[:, 2])
         normals = np.where(normals.any(axis=1, keepdims=True), normals, VERTICAL)
         e1 = tangents_around(VERTICAL, normals)
         e2 = np.cross(normals, e1)
@@ -182,10 +182,10 @@ def _corner_areas(edges: FloatArray) -> FloatArray:
     """
     squares = np.einsum("nkx,nkx->nk", edges, edges)
     area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
-    whole = area > 1e-12 * squares.max(axis=1)
+    proper = area > 1e-12 * squares.max(axis=1)
     before, after = np.roll(squares, 1, axis=1), np.roll(squares, -1, axis=1)
-    cotangents = (before + after - squares) / (4.0 * np.where(whole, area, 1.0))[:, None]
+    cotangents = (before + after - squares) / (4.0 * np.where(proper, area, 1.0))[:, None]
     voronoi = (before * np.roll(cotangents, 1, axis=1) + after * np.roll(cotangents, -1, axis=1)) / 8.0
     obtuse = cotangents < 0.0
     halves = np.where(obtuse, 0.5, 0.25) * area[:, None]
-    return np.where(whole[:, None], np.where(obtuse.any(axis=1, keepdims=True), halves, voronoi), 0.0)
+    return np.where(proper[:, None], np.where(obtuse.any(axis=1, keepdims=True), halves, voronoi), 0.0)

@@ -80,10 +80,10 @@ def _energies(brdf: BRDF) -> tuple[FloatArray, FloatArray]:
     Lobes and channels together, cross terms between lobes left out.
     """
     lobes = analysed(brdf, F, P)
-    whole = sum(float(lobe.energy.sum()) for lobe in lobes) or 1.0
+    total = sum(float(lobe.energy.sum()) for lobe in lobes) or 1.0
     degrees = sum(lobe.degree_energy().sum(axis=1) for lobe in lobes)
     kept = [sum(lobe.captured(p).sum(axis=1) for lobe in lobes) for p in range(P + 1)]
-    return np.asarray(degrees) / whole, np.asarray(kept) / whole
+    return np.asarray(degrees) / total, np.asarray(kept) / total
 
 
 def _lobes(axes: PolarAxes, brdf: BRDF) -> None:

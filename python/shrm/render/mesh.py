@@ -253,17 +253,17 @@ class Mesh:
 
     def intersect(self, origins: FloatArray, directions: FloatArray) -> Hits:
         """First hits of rays with (n, 3) origins and unit directions; Embree works in float32."""
-        found = self._scene.run(
+        hits = self._scene.run(
             np.ascontiguousarray(origins, np.float32),
             np.ascontiguousarray(directions, np.float32),
             output=True,
         )
-        hit = found["primID"] >= 0
-        distances = np.where(hit, found["tfar"].astype(np.float64), np.inf)
+        hit = hits["primID"] >= 0
+        distances = np.where(hit, hits["tfar"].astype(np.float64), np.inf)
 
-        face = np.where(hit, found["primID"], 0)
+        face = np.where(hit, hits["primID"], 0)
         corners = self.faces[face]  # (n, 3)
-        u, v = found["u"].astype(np.float64), found["v"].astype(np.float64)
+        u, v = hits["u"].astype(np.float64), hits["v"].astype(np.float64)
         weights = np.where(hit[:, None], np.stack([1.0 - u - v, u, v], axis=1), 0.0)
         a, b, c = (self.vertices[corners[:, k]] for k in range(3))
         flat = unit(np.cross(b - a, c - a))

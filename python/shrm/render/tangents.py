@@ -102,8 +102,8 @@ def _curvature(planes: Planes, normals: FloatArray) -> tuple[FloatArray, Complex
     turn = np.exp(-0.5j * np.angle((dp**2).sum(axis=1)))
     dp, dn = dp * turn[:, None], dn * turn[:, None]
     xx, yy = (dp.real**2).sum(axis=1), (dp.imag**2).sum(axis=1)
-    whole = yy > 0.0  # the shorter axis; degenerate faces have no plane
-    xx, yy = np.where(whole, xx, 1.0), np.where(whole, yy, 1.0)
+    extended = yy > 0.0  # the shorter axis; degenerate faces have no plane
+    xx, yy = np.where(extended, xx, 1.0), np.where(extended, yy, 1.0)
     a = (dp.real * dn.real).sum(axis=1) / xx
     b = (dp.real * dn.imag + dp.imag * dn.real).sum(axis=1) / (xx + yy)
     c = (dp.imag * dn.imag).sum(axis=1) / yy

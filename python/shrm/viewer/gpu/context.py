@@ -119,12 +119,12 @@ def offscreen(routes: tuple[Route, ...] = ROUTES) -> Context:
     ContextError
         If none of them works.
     """
-    made: dict[Route, Callable[[], Context]] = {"egl": _egl, "osmesa": _osmesa, "window": _hidden_window}
+    makers: dict[Route, Callable[[], Context]] = {"egl": _egl, "osmesa": _osmesa, "window": _hidden_window}
     reasons = []
     for route in routes:
         leave()
         try:
-            return made[route]()
+            return makers[route]()
         except Exception as fault:  # each library has errors of its own
             reasons.append(f"{route}: {' '.join(str(fault).split())[:80]}")
     raise ContextError(

@@ -179,14 +179,14 @@ class HardwarePrefilter:
         R = require_rotation("rotation", rotation)
         self._activate()
         attached = source.color_attachments if isinstance(source, moderngl.Framebuffer) else ()
-        given = attached[0] if attached else source
-        if isinstance(given, Environment):
-            self._environment.upload(given.pixels, R)
-        elif isinstance(given, moderngl.Texture | moderngl.TextureCube):
-            _require_readable(given)
-            if given.ctx is not self.context.gl:
+        light = attached[0] if attached else source
+        if isinstance(light, Environment):
+            self._environment.upload(light.pixels, R)
+        elif isinstance(light, moderngl.Texture | moderngl.TextureCube):
+            _require_readable(light)
+            if light.ctx is not self.context.gl:
                 raise ValueError("source must be of the prefilter's OpenGL context, got one of another")
-            self._environment.take(given, R)
+            self._environment.take(light, R)
         else:
             raise TypeError(
                 "source must be an Environment, a moderngl Texture or TextureCube, or a Framebuffer with a "

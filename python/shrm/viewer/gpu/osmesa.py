@@ -32,13 +32,13 @@ class OSMesa:
 
     def __init__(self, version: int) -> None:
         self._library = _load()
-        wanted = {
+        attributes = {
             FORMAT: RGBA,
             PROFILE: CORE_PROFILE,
             MAJOR_VERSION: version // 100,
             MINOR_VERSION: version % 100 // 10,
         }
-        flat = [number for pair in wanted.items() for number in pair]
+        flat = [number for pair in attributes.items() for number in pair]
         self._context = self._library.OSMesaCreateContextAttribs((ctypes.c_int * 9)(*flat), None)
         if not self._context:
             raise RuntimeError(f"OSMesa has no OpenGL {version / 100:.1f}")
@@ -77,7 +77,7 @@ def _load() -> Any:
             ("OSMesaGetProcAddress", pointer, [ctypes.c_char_p]),
             ("OSMesaDestroyContext", None, [pointer]),
         ):
-            found = getattr(library, function)
-            found.restype, found.argtypes = result, arguments
+            entry = getattr(library, function)
+            entry.restype, entry.argtypes = result, arguments
         return library
     raise OSError(f"there is no {' or '.join(LIBRARIES)}")

@@ -62,8 +62,8 @@ class Faces:
     def read(self) -> Float32Array:
         """Read the texels back: (2, side, side, 3)."""
         kind = np.float32 if self.texels == "f4" else np.float16
-        found = np.frombuffer(self.texture.read(), kind).reshape(2, self.side, self.side, 4)
-        return np.ascontiguousarray(found[..., :3], np.float32)
+        texels = np.frombuffer(self.texture.read(), kind).reshape(2, self.side, self.side, 4)
+        return np.ascontiguousarray(texels[..., :3], np.float32)
 
     def release(self) -> None:
         """Free them."""
@@ -167,13 +167,13 @@ class ParaboloidEnvironment:
         """Take what is in a texture, a lat-long picture or a cube map, turned: L'(w) = L(R^T w)."""
         # The widest texels, in the middles of faces, take samples no farther apart than the environment's.
         if isinstance(environment, moderngl.TextureCube):
-            step, taken = 2.0 / environment.size[0], self._from_cube
+            step, into_paraboloid = 2.0 / environment.size[0], self._from_cube
         else:
-            step, taken = math.pi / environment.height, self._from_latlong
+            step, into_paraboloid = math.pi / environment.height, self._from_latlong
             environment = self._weighted.draw(environment)
         widest = 4.0 / self._size
         samples = min(math.ceil(widest / step), MOST_SAMPLES)
-        taken.draw(
+        into_paraboloid.draw(
             self.faces,
             0.5 * self._size,
             environment=environment,

@@ -182,7 +182,7 @@ class Renderer:
         if scene.background is not None:
             self._draw_background(scene, scene.background, aspect, shift)
         gl.enable(moderngl.DEPTH_TEST)
-        shapes = [thing.shape for thing in scene.objects]
+        shapes = [obj.shape for obj in scene.objects]
         eye = {
             "clip_from_world": clip_from_world(scene.camera, aspect, shift, shapes),
             "orthographic": scene.camera.height is not None,
@@ -191,8 +191,8 @@ class Renderer:
             "distant": scene.viewer == "distant",
         }
         view = -scene.camera.forward[None]
-        for index, thing in enumerate(scene.objects):
-            self._draw_object(index, thing, view, eye, target)
+        for index, obj in enumerate(scene.objects):
+            self._draw_object(index, obj, view, eye, target)
         gl.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
 
     def _draw_background(
@@ -219,12 +219,12 @@ class Renderer:
         self._screen.render(moderngl.TRIANGLES, vertices=3)
 
     def _draw_object(
-        self, index: int, thing: Object, view: FloatArray, eye: dict[str, Any], target: moderngl.Framebuffer
+        self, index: int, obj: Object, view: FloatArray, eye: dict[str, Any], target: moderngl.Framebuffer
     ) -> None:
         gl, get = self.gl, self.resources.get
-        material = thing.material
+        material = obj.material
         if isinstance(material, VertexRadiance):
-            self._draw_vertices(index, thing, material, eye)
+            self._draw_vertices(index, obj, material, eye)
             return
         if isinstance(material, PrefilteredMap):
             material = Prefiltered((material,))
@@ -236,8 +236,8 @@ class Renderer:
         if isinstance(material, ReflectionMap):
             require_no_residual(material, "the GPU")
         lobes = self._lobes(index, material)
-        shape = get(("shape", index), thing.shape, lambda shape: Geometry(gl, shape))
-        self._texture_of(index, thing).use(2)
+        shape = get(("shape", index), obj.shape, lambda shape: Geometry(gl, shape))
+        self._texture_of(index, obj).use(2)
         program = self._program(shape, lobes[0].distant if eye["distant"] else lobes[0].near)
         set_uniforms(
             program,
@@ -249,7 +249,7 @@ class Renderer:
             picture=2,
             border=BORDER,
             clamped=isinstance(material, ReflectionMap) and material.clamp,
-            axis=tuple(map(float, thing.axis)),
+            axis=tuple(map(float, obj.axis)),
         )
         # A sphere's pixels are those of the far side of its box.
         (gl.disable if shape.sphere is None else gl.enable)(moderngl.CULL_FACE)
@@ -267,24 +267,22 @@ class Renderer:
         gl.depth_func = "<"
         target.depth_mask = True
 
-    def _draw_vertices(
-        self, index: int, thing: Object, material: VertexRadiance, eye: dict[str, Any]
-    ) -> None:
+    def _draw_vertices(self, index: int, obj: Object, material: VertexRadiance, eye: dict[str, Any]) -> None:
         """Draw a mesh, both sides of it, with radiance that its vertices have."""
-        gl, mesh = self.gl, thing.shape
+        gl, mesh = self.gl, obj.shape
         assert isinstance(mesh, Mesh)  # an object's radiance is at its vertices
         shape = self.resources.get(("radiant", index), mesh, lambda mesh: RadiantGeometry(gl, mesh))
         shape.take(material)
-        self._texture_of(index, thing).use(2)
+        self._texture_of(index, obj).use(2)
         set_uniforms(self._vertex_radiance, clip_from_world=eye["clip_from_world"], picture=2)
         gl.disable(moderngl.CULL_FACE)
         shape.draw(self._vertex_radiance)
 
-    def _texture_of(self, index: int, thing: Object) -> moderngl.Texture:
+    def _texture_of(self, index: int, obj: Object) -> moderngl.Texture:
         """An object's texture; a white one for those without."""
-        if thing.texture is None:
+        if obj.texture is None:
             return self._white
-        return self.resources.get(("texture", index), thing.texture, lambda pixels: _texture(self.gl, pixels))
+        return self.resources.get(("texture", index), obj.texture, lambda pixels: _texture(self.gl, pixels))
 
     def _lobes(self, index: int, material: Drawn) -> list[Lobe]:
         """The maps of an object's lobes on the GPU."""
@@ -292,14 +290,15 @@ class Renderer:
             return self._paraboloids(index, material)
         gl, size, get = self.gl, self.map_size, self.resources.get
         lobes: list[Lobe] = []
+        key: tuple[object, ...]
         if isinstance(material, ReflectionMap):
             for k, part in enumerate(material.parts):
-                held = ("lobe", index, k, part.rings.shape)
-                lobes.append(get(held, part, lambda part: LobeMaps(gl, part, size), LobeMaps.renew))
+                key = ("lobe", index, k, part.rings.shape)
+                lobes.append(get(key, part, lambda part: LobeMaps(gl, part, size), LobeMaps.renew))
         else:
-            for k, one in enumerate(material.lobes):
-                key = ("layered", index, k, len(one.layers), one.layers[0].rings.shape)
-                lobes.append(get(key, one, lambda one: LayeredLobe(gl, one, size), LayeredLobe.renew))
+            for k, lobe in enumerate(material.lobes):
+                key = ("layered", index, k, len(lobe.layers), lobe.layers[0].rings.shape)
+                lobes.append(get(key, lobe, lambda lobe: LayeredLobe(gl, lobe, size), LayeredLobe.renew))
         return lobes
 
     def _paraboloids(self, index: int, material: ParaboloidMaps | HardwarePrefilter) -> list[Lobe]:
@@ -307,7 +306,7 @@ class Renderer:
         gl, get = self.gl, self.resources.get
         if isinstance(material, ParaboloidMaps):
             upload = partial(UploadedParaboloidLobe, gl)
-            return [get(("paraboloid", index, k), found, upload) for k, found in enumerate(material.maps)]
+            return [get(("paraboloid", index, k), map, upload) for k, map in enumerate(material.maps)]
         if material.context is not self.context:
             raise ValueError(
                 "context must be the renderer's for a HardwarePrefilter to be drawn by it, got another: "

@@ -88,7 +88,7 @@ class Application:
         self.prefiltering: Worker[Request, PrefilteredScene] = Worker(Prefiltering(), glfw.post_empty_event)
         self.comparison = Comparison(glfw.post_empty_event)
         self.result: PrefilteredScene | None = None
-        self.fault = self.said = self.refused = ""
+        self.fault = self.done = self.refused = ""
         self._asked: Request | None = None
         self._expose = self._fit = False
         self._keep_eye = True  # a state that was read says where from its objects are seen
@@ -235,7 +235,7 @@ class Application:
                 self.prefiltering.working,
                 self._frame_seconds,
                 self.fault,
-                self.said,
+                self.done,
                 self.refused,
                 "" if self.state.shown == "maps" else self.comparison.says,
                 self.drawing.relit.seconds,
@@ -244,7 +244,7 @@ class Application:
             self.state, actions = self.panel.draw(self.state, facts, height)
             self._expose |= self.state.automatic and not before.automatic
             if self.state != before:
-                self.fault = self.said = ""
+                self.fault = self.done = ""
         if self.keys_shown:
             left = WIDTH if self.panel_shown else 0
             draw_keys(left, width - left, height)
@@ -299,9 +299,9 @@ class Application:
         if action != glfw.PRESS or self.controls.io.want_text_input:
             return
         control = bool(mods & glfw.MOD_CONTROL)
-        wanted = (WITH_CONTROL if control else ACTIONS).get(key)
-        if wanted is not None:
-            self.act(wanted)
+        action_of_key = (WITH_CONTROL if control else ACTIONS).get(key)
+        if action_of_key is not None:
+            self.act(action_of_key)
         elif not control:
             self.state = keyed(self.state, key, self._choice())
 
@@ -315,7 +315,7 @@ class Application:
     def on_drop(self, paths: list[str]) -> None:
         """Files were dropped: a mesh, a saved window, or else an environment."""
         self._lively = 3
-        self.fault = self.said = ""
+        self.fault = self.done = ""
         for path in paths:
             if Path(path).suffix.lower() == ".json":
                 self._open(path)
@@ -340,7 +340,7 @@ class Application:
             "quit": self.quit,
         }
         if action not in QUIET:
-            self.fault = self.said = ""
+            self.fault = self.done = ""
         try:
             does[action]()
         except Faults as fault:
@@ -367,21 +367,21 @@ class Application:
         except Faults as fault:
             self._say_fault(one_line(fault))
             return
-        self.state, self.said, self._keep_eye = state, f"opened {path}", True
+        self.state, self.done, self._keep_eye = state, f"opened {path}", True
 
     def _save(self) -> None:
         self.state.save(self.state_file)
-        self.said = f"saved {self.state_file}"
+        self.done = f"saved {self.state_file}"
 
     def _save_picture(self) -> None:
         if self.result is None:
             return
         alpha = not self.state.background
         png = save_screenshot(self.folder, self.screen.picture(), self.state.exposure, alpha)
-        self.said = f"saved {png} and .exr"
+        self.done = f"saved {png} and .exr"
 
     def _say_fault(self, line: str) -> None:
-        self.said, self.fault = "", line
+        self.done, self.fault = "", line
 
     def _over_picture(self) -> bool:
         over_panel = self.panel_shown and self._cursor[0] < WIDTH

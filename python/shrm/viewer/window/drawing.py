@@ -105,11 +105,11 @@ class Drawing:
 
     def _lit(self, result: PrefilteredScene, state: State, camera: Camera) -> tuple[State, Materials]:
         """What was prefiltered; or radiance at the vertices of an object with transfer, none if it fails."""
-        thing = result.transferred
-        if thing is None:
+        placed = result.transferred
+        if placed is None:
             return state, result.drawn
         try:
-            return state, (self.relit.drawn_with(thing, result.environment, state, camera),)
+            return state, (self.relit.drawn_with(placed, result.environment, state, camera),)
         except Faults as fault:
             self.fault = one_line(fault)
             return replace(state, variant=None, components=None, tents=None), ()

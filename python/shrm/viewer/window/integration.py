@@ -148,11 +148,11 @@ class _Turned:
         for first in range(0, len(normals), AT_ONCE):
             if self._stale():
                 raise StaleError
-            some = slice(first, first + AT_ONCE)
-            radiance[some] = self._reflection.radiance(
-                self._back(normals[some]),
-                self._back(views[some]),
-                None if tangents is None else self._back(tangents[some]),
+            block = slice(first, first + AT_ONCE)
+            radiance[block] = self._reflection.radiance(
+                self._back(normals[block]),
+                self._back(views[block]),
+                None if tangents is None else self._back(tangents[block]),
             )
         return radiance
 

@@ -49,9 +49,7 @@ def draw_objects(widgets: Widgets, state: State, result: PrefilteredScene | None
         if widgets.button("Back to sphere", "All objects are spheres again."):
             state = replace(state, mesh=None)
     shown = SPHERE if state.mesh is None else Path(state.mesh).name
-    typed = widgets.entered(
-        "shape of all", shown, f"{state.mesh or SPHERE}\n'{SPHERE}', or a mesh file: {BY_PATH}"
-    )
+    typed = widgets.entered("shape", shown, f"{state.mesh or SPHERE}\n'{SPHERE}', or a mesh file: {BY_PATH}")
     if typed is not None:
         state = _with_shape(state, typed)
     return _tangents(widgets, state, result)

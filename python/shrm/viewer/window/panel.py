@@ -26,7 +26,7 @@ from shrm.viewer.window.state import UNTURNED, State
 from shrm.viewer.window.transfer_panel import draw_transfer
 from shrm.viewer.window.widgets import GREY, RED, WIDTH, YELLOW, Widgets, disabled, explain, wrapped
 
-RECOGNISED = "as recognised"
+RECOGNISED = "automatic"
 MOST_CHARACTERS = 78  # of a message: two lines
 
 SEE_THROUGH = (0.4, 0.65, 1.0, 0.45)  # the handles of sliders, which stand on what they say
@@ -44,7 +44,7 @@ class Facts:
         Whether newer maps are on their way.
     frame_seconds : float
         What a frame took to draw.
-    fault, said : str
+    fault, done : str
         What went wrong last, and what was done last; empty if nothing.
     refused : str
         A picture that could not be read as it was meant to be; empty if there is none.
@@ -58,7 +58,7 @@ class Facts:
     working: bool
     frame_seconds: float
     fault: str
-    said: str
+    done: str
     refused: str
     integrated: str
     lighting_seconds: float
@@ -103,7 +103,7 @@ class Panel:
         state = self._picture(state, actions)
         self._times(facts)
         imgui.separator_text("Mouse, over the picture")
-        imgui.text_colored(GREY, "left: orbit   right: turn the light")
+        imgui.text_colored(GREY, "left: orbit   right: rotate the light")
         imgui.text_colored(GREY, "middle: pan   wheel: zoom")
         if self.widgets.button("All keys (?)"):
             actions.append("help")
@@ -121,10 +121,10 @@ class Panel:
         text = "Drop a picture (.hdr, .exr, .png) here,\na mesh (.ply, .obj, .glb, .stl) or a .shrt."
         reading = facts.result is not None and facts.result.request.environment != state.environment
         coming = f"reading {Path(state.environment).name} ..." if reading and facts.working else ""
-        said = ((YELLOW, " ".join(notes)), (GREY, facts.said), (RED, facts.fault), (GREY, coming))
-        for other, message in said:
+        messages = ((YELLOW, " ".join(notes)), (GREY, facts.done), (RED, facts.fault), (GREY, coming))
+        for other, message in messages:
             color, text = (other, message) if message else (color, text)
-        wrapped(color, text if color == GREY and not facts.said else _shortened(text))
+        wrapped(color, text if color == GREY and not facts.done else _shortened(text))
         explain(text)
         imgui.set_cursor_pos_y(top + 2.4 * imgui.get_text_line_height())
 
@@ -156,16 +156,16 @@ class Panel:
         imgui.same_line()
         with disabled(state.light == UNTURNED):
             if self.widgets.button(
-                "Turn light back (R)",
-                "Turn the light back to where its picture has it. Dragging with the right button turns it.",
+                "Reset light (R)",
+                "Undo the rotation of the light, which dragging with the right button changes.",
             ):
                 state = replace(state, light=UNTURNED)
         imgui.same_line()
         repaired = f"{whose}replace texels that are not finite by their neighbours; otherwise it is refused."
         if self.widgets.check("repair", "repair", state.repair, repaired):
             state = replace(state, environment=source, repair=not state.repair)
-        meaning = "The light goes round the vertical, once in 12 seconds. (Key T)"
-        if self.widgets.check("turning", "turns by itself (T)", state.turning, meaning):
+        meaning = "Rotate the light about the vertical, once in 12 seconds. (Key T)"
+        if self.widgets.check("turning", "auto-rotate (T)", state.turning, meaning):
             state = replace(state, turning=not state.turning)
         return state
 
@@ -173,7 +173,7 @@ class Panel:
         imgui.separator_text("Accuracy")
         if self.widgets.radio("by tolerance", state.orders is None):
             state = replace(state, orders=None)
-        explain("F and P are chosen for each object, by the error that is wanted.")
+        explain("F and P are chosen for each object, for the tolerance.")
         imgui.same_line()
         mine = None if facts.result is None else _of(facts.result.maps, state.selected)
         if self.widgets.radio("orders F, P", state.orders is not None) and state.orders is None:
@@ -194,12 +194,12 @@ class Panel:
             imgui.text_colored(GREY, "prefiltering ...\n ")
             return state
         drawn = facts.result.drawn[min(state.selected, len(facts.result.drawn) - 1)]
-        held = (
+        parts = (
             drawn.parts
             if isinstance(drawn, ReflectionMap)
-            else [p for one in drawn.lobes for p in one.layers]
+            else [layer for lobe in drawn.lobes for layer in lobe.layers]
         )
-        maps = sum(part.rings.shape[1] for part in held)
+        maps = sum(part.rings.shape[1] for part in parts)
         word = "map" if maps == 1 else "maps"
         whose = f"object {state.selected + 1}: " if len(state.materials) > 1 else ""
         if state.filter is not None:
@@ -272,12 +272,12 @@ class Panel:
         explain("Twice as bright for each stop.")
         if changed:
             state = replace(state, exposure=stops, automatic=False)
-        found = "Found from the picture when light, material or shape change; E finds it at any time."
-        if self.widgets.check("auto", "auto (E)", state.automatic, found):
+        meaning = "Choose the exposure anew when light, material or shape change; E does so at any time."
+        if self.widgets.check("auto", "auto (E)", state.automatic, meaning):
             state = replace(state, automatic=not state.automatic)
         imgui.same_line()
-        behind = "Show the light itself behind the objects."
-        if self.widgets.check("background", "background (B)", state.background, behind):
+        meaning = "Show the environment behind the objects."
+        if self.widgets.check("background", "background (B)", state.background, meaning):
             state = replace(state, background=not state.background)
         for index, (action, label, meaning) in enumerate(BUTTONS):
             if index:

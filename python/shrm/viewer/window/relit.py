@@ -91,7 +91,7 @@ class RelitObject:
         self._lit: tuple[tuple[object, ...], VertexRadiance] | None = None
 
     def drawn_with(
-        self, thing: TransferredMesh, environment: Environment, state: State, camera: Camera
+        self, placed: TransferredMesh, environment: Environment, state: State, camera: Camera
     ) -> VertexRadiance:
         """Return the radiance at the vertices, the same object as long as it is the same.
 
@@ -100,14 +100,14 @@ class RelitObject:
         ValueError, MemoryError
             If the object cannot be lit so.
         """
-        choice = Choice.of(state, thing.transfer)
-        decides = thing, environment, choice, state.light, state.window, state.viewer, camera
+        choice = Choice.of(state, placed.transfer)
+        decides = placed, environment, choice, state.light, state.window, state.viewer, camera
         if self._lit is None or self._lit[0] != decides:
-            coefficients = environment.coefficients(thing.transfer.n - 1)  # kept with the environment
-            lighting = self._chosen(thing.transfer, choice)
+            coefficients = environment.coefficients(placed.transfer.n - 1)  # kept with the environment
+            lighting = self._chosen(placed.transfer, choice)
             start = time.perf_counter()
-            light = thing.light(coefficients, state.R, state.window)
-            lit = thing.lit(lighting, light, camera, state.viewer)
+            light = placed.light(coefficients, state.R, state.window)
+            lit = placed.lit(lighting, light, camera, state.viewer)
             self.seconds = time.perf_counter() - start
             self._lit = decides, lit
         return self._lit[1]
