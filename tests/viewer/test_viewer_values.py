@@ -65,3 +65,17 @@ def test_what_is_on_the_gpu_is_not_pickled(values: dict[str, Any]) -> None:
     for name in ON_THE_GPU:
         with pytest.raises(TypeError, match="pickle"):
             pickle.dumps(values[name])
+
+
+@pytest.mark.parametrize(
+    ("changed", "error", "text"),
+    [
+        ({"objects": [Sphere()]}, TypeError, r"objects\[0\] must be an Object, got Sphere"),
+        ({"camera": None}, TypeError, "camera must be a Camera"),
+        ({"viewer": "far"}, ValueError, "viewer must be one of near, distant"),
+        ({"rotation": 2.0 * np.eye(3)}, ValueError, "rotation must be a rotation"),
+    ],
+)
+def test_scenes_are_checked_at_the_door(changed: dict[str, Any], error: type[Exception], text: str) -> None:
+    with pytest.raises(error, match=text):
+        viewer.Scene(**{"objects": [], "camera": Camera((4.0, 1.0, 1.0)), **changed})

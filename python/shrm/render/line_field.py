@@ -22,7 +22,7 @@ VERTICAL: Vector = (0.0, 0.0, 1.0)
 
 
 def tangents_around(axis: Vector, normals: FloatArray) -> FloatArray:
-    """Unit tangents that run around an axis: axis x N; where N is the axis itself, any tangent.
+    """Return unit tangents that run around an axis: axis x N; where N is the axis itself, any tangent.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def tangents_around(axis: Vector, normals: FloatArray) -> FloatArray:
 
 
 def orthogonalised(tangents: FloatArray, normals: FloatArray, axis: Vector = VERTICAL) -> FloatArray:
-    """Unit tangents orthogonal to normals: T - (T.N) N; where nothing is left of it, around an axis.
+    """Return unit tangents orthogonal to normals: T - (T.N) N; where nothing is left of it, around an axis.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def orthogonalised(tangents: FloatArray, normals: FloatArray, axis: Vector = VER
 
 
 def aligned(tangents: FloatArray) -> FloatArray:
-    """Tangents (k, 3, 3) at the corners of faces with signs that agree, T.T' >= 0.
+    """Return tangents (k, 3, 3) at the corners of faces with signs that agree, T.T' >= 0.
 
     Around a singular point of the field no signs make all three agree: there one pair does not.
     """
@@ -107,7 +107,7 @@ class Planes:
 
     @classmethod
     def of(cls, points: FloatArray, faces: IntArray, normals: FloatArray) -> Planes:
-        """Return those of points (m, 3) with unit or zero normals (m, 3)."""
+        """Return the tangent planes of points (m, 3) with unit or zero normals (m, 3)."""
         corners = points[faces]
         edges = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
         areas = _corner_areas(edges)
@@ -168,12 +168,14 @@ class Planes:
 
 
 def components(vectors: FloatArray, x: FloatArray, y: FloatArray) -> ComplexArray:
-    """Vectors (..., 3) in planes with the bases x, y (..., 3), as complex numbers (...)."""
+    """Return vectors (..., 3) in planes with the bases x, y (..., 3), as complex numbers (...)."""
     return np.asarray((vectors * x).sum(axis=-1) + 1j * (vectors * y).sum(axis=-1))
 
 
 def _corner_areas(edges: FloatArray) -> FloatArray:
-    """Voronoi areas (k, 3) of the corners of faces; of an obtuse one, a half and two quarters [MDSB02, 3.3].
+    """Return the Voronoi areas (k, 3) of the corners of faces [MDSB02, 3.3].
+
+    Obtuse faces give a half and two quarters.
 
     Parameters
     ----------

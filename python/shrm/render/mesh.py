@@ -230,7 +230,7 @@ class Mesh:
 
     @cached_property
     def vertex_tangents(self) -> FloatArray | None:
-        """Means (n, 3) of the tangents at vertices, of any length; None without a field of its own."""
+        """Mean tangents (n, 3) at vertices, of any length; None without a field of its own."""
         if self.tangents is None:
             return None
         corners, lines = self.faces.ravel(), self.tangents.reshape(-1, 3)

@@ -8,15 +8,17 @@ import numpy as np
 
 from shrm.render.camera import Camera, Vector
 
-SPACING = 2.3  # between the centers of unit spheres
-MARGIN = 0.3  # around them
+SPACING = 2.3
+"""Distance between the centers of unit spheres: a gap of a third of a radius."""
+MARGIN = 0.3
+"""Free space around the row, in radii."""
 
 SUN_AZIMUTH = 130.0
 """Degrees from +x towards +y: the sun over the left shoulder of a camera that looks along +x."""
 
 
 def row_extent(count: int) -> tuple[float, float]:
-    """Width and height of a row of unit spheres with its margin."""
+    """Return the width and height of a row of unit spheres with its margin."""
     return SPACING * (count - 1) + 2.0 * (1.0 + MARGIN), 2.0 * (1.0 + MARGIN)
 
 

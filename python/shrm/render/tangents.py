@@ -14,10 +14,14 @@ from shrm.render.line_field import Planes, components
 
 Tangents = Literal["axis", "uv", "principal"]
 
-STEPS = 8  # each averages over the faces around a point, lines with their weights
-UNIT_STEPS = 4  # the same of unit lines
-ANISOTROPY = 0.03  # least |k1| - |k2|, of the larger; for the triangles of an icosphere it is up to 0.02
-TURNING = 1e-4  # and as an angle between normals an edge apart: files round positions to six digits
+STEPS = 8
+"""Averages over the faces around a point, of lines with their weights: they reach two or three edges far."""
+UNIT_STEPS = 4
+"""Further averages, of lines of equal weight."""
+ANISOTROPY = 0.03
+"""Least ||k1| - |k2|| as a fraction of the larger curvature; triangles of an icosphere have up to 0.02."""
+TURNING = 1e-4
+"""The same as an angle between normals an edge apart, radians: files round positions to six digits."""
 
 
 def uv_tangents(vertices: FloatArray, faces: IntArray, normals: FloatArray, uv: FloatArray) -> FloatArray:
@@ -128,7 +132,7 @@ def _joined(faces: IntArray, *columns: FloatArray) -> tuple[IntArray, Planes]:
 
 
 def _edges(corners: FloatArray) -> FloatArray:
-    """Differences (k, 3, x) along the edge opposite to each corner, of values (k, 3, x) at the corners."""
+    """Return differences (k, 3, x) of values at corners along the edge opposite to each corner."""
     return np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
 
 

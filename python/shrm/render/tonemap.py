@@ -17,7 +17,7 @@ def srgb(linear: Float32Array) -> Float32Array:
 
 
 def automatic_exposure(radiance: Float32Array, coverage: Float32Array | None = None) -> float:
-    """Stops that put the 90th percentile of the luminance at 0.7 of white.
+    """Return the stops that put the 90th percentile of the luminance at 0.7 of white.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def automatic_exposure(radiance: Float32Array, coverage: Float32Array | None = N
 def display(
     radiance: Float32Array, exposure: float = 0.0, coverage: Float32Array | None = None
 ) -> npt.NDArray[np.uint8]:
-    """Pixels for an 8-bit file.
+    """Return pixels for an 8-bit file.
 
     Parameters
     ----------

@@ -125,7 +125,7 @@ def low_degrees(coefficients: npt.ArrayLike, n: int, window: Window | None = Non
 
 
 def is_transfer(path: str | Path) -> bool:
-    """Whether a file is an object with transfer: by its first bytes, or by a name that says so."""
+    """Return whether a file is an object with transfer: by its first bytes, or by a name that says so."""
     if Path(path).suffix.lower() == SUFFIX:
         return True  # what is wrong with it, opening it says
     try:
@@ -136,7 +136,7 @@ def is_transfer(path: str | Path) -> bool:
 
 
 def _mesh(transfer: RadianceTransfer) -> Mesh:
-    """The mesh in the transfer's coordinates, with the tangents that its frames have."""
+    """Return the mesh in the transfer's coordinates, with the tangents that its frames have."""
     frames, faces = np.asarray(transfer.frames, np.float64), np.asarray(transfer.faces, np.int64)
     tangents = frames[:, :, 0][faces]
     against = np.einsum("fkx,fx->fk", tangents, tangents[:, 0]) < 0.0  # the signs agree within a face

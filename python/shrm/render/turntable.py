@@ -12,13 +12,13 @@ from shrm.render.placement import about_vertical
 
 
 def turned_camera(camera: Camera, degrees: float) -> Camera:
-    """The camera carried round its target."""
+    """Return the camera carried round its target by an angle."""
     target = np.asarray(camera.target, np.float64)
     x, y, z = target + about_vertical(degrees) @ (np.asarray(camera.position, np.float64) - target)
     return replace(camera, position=(float(x), float(y), float(z)))
 
 
 def numbered(path: Path, frame: int, frames: int) -> Path:
-    """Name of a frame, such as spin-007.png: as many digits as the last one needs."""
+    """Return the name of a frame, such as spin-007.png: as many digits as the last one needs."""
     digits = max(3, len(str(frames - 1)))
     return path.with_name(f"{path.stem}-{frame:0{digits}d}{path.suffix}")

@@ -130,7 +130,7 @@ class VertexArrays:
 
 
 def along_curve(mesh: Mesh) -> IntArray:
-    """The faces in the order of a curve that fills space (Morton's), by their corners' mean.
+    """Return the faces in the order of a curve that fills space (Morton's), by their corners' mean.
 
     Neighbours follow each other, and a vertex that they share is still at hand: OpenGL transforms it once,
     where in the order of a file it may do so for every face.
@@ -146,7 +146,7 @@ def along_curve(mesh: Mesh) -> IntArray:
 
 
 def bounds(shape: Shape) -> tuple[FloatArray, float]:
-    """Center (3,) and radius of a ball that holds a mesh or a sphere.
+    """Return the center (3,) and the radius of a ball that holds a mesh or a sphere.
 
     Raises
     ------

@@ -47,7 +47,7 @@ def require_cube(maps: Rings) -> None:
 
 
 def factors_texture(gl: moderngl.Context, factors: FloatArray) -> moderngl.Texture:
-    """Factors (K, T, 1 or 3) over theta_v as a texture of K rows."""
+    """Return factors (K, T, 1 or 3) over theta_v as a texture of K rows."""
     K, T = factors.shape[:2]
     return gl.texture((T, K), 3, np.broadcast_to(factors, (K, T, 3)).astype("f4").tobytes(), dtype="f4")
 
@@ -250,7 +250,7 @@ class LayeredLobe(CubeLobe):
 
 SLICED = 0
 SHARES: dict[type, int] = {Diffuse: 1, Phong: 1, KautzMcCool2D: 1, Cabral: 2}
-"""How layered_map.glsl finds shares."""
+"""Rules by which layered_map.glsl finds shares, by the class of maps."""
 
 
 class ParaboloidLobe(Lobe):

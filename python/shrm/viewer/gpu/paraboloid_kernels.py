@@ -142,7 +142,7 @@ def texture_kernel(profile: Profile, filter: TextureFilter, texel: float) -> Flo
 
 
 def integral(profile: Profile) -> FloatArray:
-    """Integral of a lobe over the sphere, (1,) or (3,)."""
+    """Return the integral of a lobe over the sphere, (1,) or (3,)."""
     return np.asarray(_within(profile)[-1])
 
 

@@ -22,10 +22,10 @@ LARGEST: dict[Texels, float] = {"f4": float(np.finfo(np.float32).max), "f2": flo
 """The largest finite number in a texel."""
 
 MOST_SAMPLES = 8
-"""To a side of a paraboloid's texel, from an environment; finer ones come through their mip-map."""
+"""Most samples of an environment to a side of a paraboloid's texel; finer ones come through their mip-map."""
 
 MOST_COLUMNS = 32
-"""Of a lat-long picture, along a row, for one sample beside a pole."""
+"""Most columns of a lat-long picture that are averaged along a row for one sample beside a pole."""
 
 
 class Faces:

@@ -353,7 +353,7 @@ class Application:
     # ---- Details
 
     def _choice(self) -> Choice | None:
-        """What is used of the object with transfer that is drawn, if one is."""
+        """Return what is used of the object with transfer that is drawn, if one is."""
         drawn = None if self.result is None else self.result.transferred
         return None if drawn is None else Choice.of(self.state, drawn.transfer)
 

@@ -79,7 +79,7 @@ class Comparison:
 
     @property
     def says(self) -> str:
-        """How far it is, for the panel."""
+        """Progress of the integration, for the panel."""
         question = self._question
         drawn = "the maps are" if question is None or question.n is None else "with transfer it is"
         if not self._fits or self._ready is None:

@@ -104,7 +104,7 @@ class Drawing:
         return state
 
     def _lit(self, result: PrefilteredScene, state: State, camera: Camera) -> tuple[State, Materials]:
-        """What was prefiltered; or radiance at the vertices of an object with transfer, none if it fails."""
+        """Return the maps; or the radiance at the vertices of an object with transfer, none if it fails."""
         placed = result.transferred
         if placed is None:
             return state, result.drawn
@@ -115,7 +115,7 @@ class Drawing:
             return replace(state, variant=None, components=None, tents=None), ()
 
     def _filtered(self, result: PrefilteredScene, state: State, drawn: Materials) -> tuple[State, Materials]:
-        """The same, or what the GPU filters instead if the state names a filter."""
+        """Return the materials, or what the GPU filters instead if the state names a filter."""
         if result.transferred is not None:
             return state, drawn
         try:

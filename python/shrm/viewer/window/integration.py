@@ -19,10 +19,14 @@ from shrm.render.transferred import low_degrees
 from shrm.viewer.window.state import Rows
 from shrm.viewer.window.worker import StaleError
 
-ROWS = 128  # of the light that is integrated: every pixel visits all of its texels
-SMOOTH_ROWS = 32  # of light of a low order
-COARSENESS = (16, 8, 4, 2, 1)  # screen pixels across one that is integrated
-AT_ONCE = 256  # points between two questions whether they are still wanted
+ROWS = 128
+"""Most rows of the light that is integrated: every pixel visits all of its texels."""
+SMOOTH_ROWS = 32
+"""Rows of light of a low order, which has no detail."""
+COARSENESS = (16, 8, 4, 2, 1)
+"""Screen pixels across a pixel that is integrated, pass by pass."""
+AT_ONCE = 256
+"""Points that are integrated before asking whether the picture is still wanted."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +109,7 @@ class Integration:
 
 
 def _coarse(environment: Environment, n: int | None, window: Window | None) -> Environment:
-    """The light with as many texels as every pixel can visit."""
+    """Return the light with as many texels as every pixel can visit."""
     if n is not None:
         low = low_degrees(environment.coefficients(n - 1), n, window)
         return Environment(sh.synthesis(low, (SMOOTH_ROWS, 2 * SMOOTH_ROWS)).astype(np.float32))
@@ -114,7 +118,7 @@ def _coarse(environment: Environment, n: int | None, window: Window | None) -> E
 
 
 def _integral(light: Environment, material: brdf.BRDF) -> SupportsRadiance:
-    """What integrates a material: from tables of its lobes, or plainly where one is anisotropic."""
+    """Return what integrates a material: from tables of its lobes, or plainly where one is anisotropic."""
     if any(lobe.kind == "anisotropic" for lobe in material.lobes):
         return _PlainSum(light, material)
     return prefilter_angular(light, material, cutoff=0.002)

@@ -14,10 +14,17 @@ from shrm.render.placement import about_vertical
 from shrm.validation import number
 
 DEGREES_PER_PIXEL = 0.4
-DEGREES_PER_SECOND = 30.0  # of light that turns by itself
-ZOOM = 0.88  # of the distance, for one step of the wheel
-STEEPEST = 89.0  # degrees: beyond it the picture's up would flip
+"""Turn of the eye or of the light for a drag over one pixel."""
+DEGREES_PER_SECOND = 30.0
+"""Speed of light that rotates by itself: once round in 12 seconds."""
+ZOOM = 0.88
+"""Factor of the distance for one step of the wheel."""
+STEEPEST = 89.0
+"""Largest elevation in degrees: beyond 90 the picture's up would flip."""
 NEAREST, FARTHEST = 1e-4, 1e6
+"""Limits of the distance, in the world's unit: within them float32 has digits to spare."""
+MARGIN = 1.15
+"""Factor of a ball's radius, so that it does not touch the picture's edge."""
 
 
 @dataclass(frozen=True)
@@ -110,9 +117,6 @@ class Orbit:
             aside = np.abs((centers - middle) @ axis) + MARGIN * radii * math.hypot(1.0, reach)
             needs.append(float((aside / reach - (centers - middle) @ forward).max()))
         return replace(self, target=(x, y, z), distance=float(np.clip(max(needs), NEAREST, FARTHEST)))
-
-
-MARGIN = 1.15  # of a ball's radius, so that it does not touch the picture's edge
 
 
 def turned_light(rotation: FloatArray, dx: float, dy: float, camera: Camera) -> FloatArray:

@@ -60,7 +60,7 @@ SIZES = ((12, 32), (30, 64), (70, 128), (1000, 256))
 
 @dataclass(frozen=True)
 class Request:
-    """What of a `State` decides the maps and the objects."""
+    """The part of a `State` that decides the maps and the objects."""
 
     environment: str
     layout: str | None

@@ -113,7 +113,7 @@ class RelitObject:
         return self._lit[1]
 
     def _chosen(self, transfer: RadianceTransfer, choice: Choice) -> Lighting:
-        """What lights the object so; the same for other numbers of components."""
+        """Return what lights the object as chosen; the same for other numbers of components."""
         held = self._lighting
         if held is None or held[0] is not transfer or held[1:3] != (choice.variant, choice.M):
             M = choice.M if choice.K else None

@@ -14,7 +14,7 @@ from shrm.viewer.gpu.programs import screen_program, set_uniforms
 NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
 
 AMPLIFIED = 8.0
-"""By how much differences are."""
+"""Factor by which differences are shown brighter: errors of some percent are seen then."""
 
 # Places of the samples of a pixel, in pixels from its middle; the middle comes first.
 PLACES = ((0.0, 0.0), *((x / 3, y / 3) for y in (-1, 0, 1) for x in (-1, 0, 1) if x or y))
@@ -67,7 +67,7 @@ class Screen:
 
     @property
     def shift(self) -> tuple[float, float]:
-        """By how much the picture of the next sample is moved, for `Renderer.draw`."""
+        """Shift of the picture of the next sample, for `Renderer.draw`."""
         x, y = PLACES[self.samples]
         return 2.0 * x / self.drawn.width, 2.0 * y / self.drawn.height
 

@@ -20,7 +20,7 @@ ACTIONS: Mapping[int, Action] = {
     glfw.KEY_E: "expose",
 }
 QUIET: tuple[Action, ...] = ("close help", "panel", "expose", "quit")
-"""Those that leave what the panel says."""
+"""Actions that leave the message of the panel."""
 
 WITH_CONTROL: Mapping[int, Action] = {glfw.KEY_S: "save", glfw.KEY_O: "open"}
 

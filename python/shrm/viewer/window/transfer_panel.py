@@ -1,7 +1,4 @@
-"""The panel's section of an object with transfer: what of it is used.
-
-Sources: [LK03].
-"""
+"""The panel's section of an object with transfer: what of it is used."""
 
 from __future__ import annotations
 
@@ -87,7 +84,7 @@ def _sizes(widgets: Widgets, state: State, choice: Choice) -> State:
 
 
 def lines(transfer: RadianceTransfer, choice: Choice) -> Iterator[tuple[str, str]]:
-    """What is to be known of an object: lines, and what they mean."""
+    """Yield lines that describe an object, each with its meaning."""
     yield transfer.material.replace(",", ", "), "The object's material, which is in its transfer."
     channels = "colors" if transfer.channels == 3 else "grey"
     yield (
