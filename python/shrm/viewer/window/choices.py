@@ -17,7 +17,7 @@ KEYS = (
     ("right drag", "rotate the light"),
     ("middle drag, Shift + left drag", "pan"),
     ("wheel", "zoom"),
-    ("drop a file", "open an environment map, a mesh, an object with transfer or a saved window (.json)"),
+    ("drop a file", "open an environment, mesh, object with transfer or saved window"),
     ("F", "fit the objects into the view"),
     ("R", "reset the rotation of the light"),
     ("T", "start or stop rotating the light"),
