@@ -169,10 +169,13 @@ def half_sines(profile: Profile) -> tuple[FloatArray, FloatArray]:
 
 
 def integral_within(profile: Profile) -> tuple[FloatArray, FloatArray]:
-    """Return angles from 0 to pi, radians, and the part of the integral of |u| that lies within each."""
+    """Return angles from 0 to pi, radians, and the part of the integral of |u| that lies within each.
+
+    A lobe that is 0 counts as one that is constant.
+    """
     s, _ = half_sines(profile)
     energy = _energy_within(s, channels_last(profile_at(profile, 1 - 2 * s**2, s**2)))
-    return 2 * np.arcsin(s), energy / energy[-1] if energy[-1] > 0 else np.ones_like(s)
+    return 2 * np.arcsin(s), energy / energy[-1] if energy[-1] > 0 else s**2
 
 
 def _angle_within(s: FloatArray, u: FloatArray, left_out: float) -> float:

@@ -29,6 +29,9 @@ VIEWS, LIGHTS, AZIMUTHS = 97, 385, 48
 MOST_LOBES = 8
 """Most factored lobes that are summed."""
 
+NEGLIGIBLE = 1e-12
+"""Part of the largest singular value of a table below which others are its rounding."""
+
 PHONG_EXPONENTS = (1.0, 1e5, 200)
 """Exponents tried for a Phong lobe, in geometric progression: the first, the last and their number."""
 
@@ -102,12 +105,16 @@ def factored(lobe: Lobe, lobes: int = 1) -> tuple[FactoredLobe, ...]:
     factors, shapes = [], []
     for values in np.moveaxis(table.values, 2, 0):
         # Roots of the measures: products with them have the mean square as their norm.
-        _, _, Vt = np.linalg.svd(np.sqrt(table.view_measure)[:, None] * values * np.sqrt(table.light_measure))
-        shape = Vt[:lobes] / np.sqrt(table.light_measure)
+        _, sigma, Vt = np.linalg.svd(
+            np.sqrt(table.view_measure)[:, None] * values * np.sqrt(table.light_measure)
+        )
+        # Shapes beyond the rank would be any, and spikes for a black channel: they stay black.
+        rank = min(lobes, int(np.count_nonzero(sigma > NEGLIGIBLE * sigma[0])))
+        shape = Vt[:rank] / np.sqrt(table.light_measure)
         factor = _projected(values, shape, table.light_measure)
         sign = np.where(factor.sum(axis=0) < 0, -1.0, 1.0)
-        factors.append(sign * factor)
-        shapes.append(sign[:, None] * shape)
+        factors.append(np.pad(sign * factor, ((0, 0), (0, lobes - rank))))
+        shapes.append(np.pad(sign[:, None] * shape, ((0, lobes - rank), (0, 0))))
     center = lobe.center if lobe.kind == "zonal" else "reflection"
     return tuple(
         FactoredLobe(
