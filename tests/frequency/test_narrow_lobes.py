@@ -53,7 +53,9 @@ def test_albedo_of_lobes_of_facets(model, width):
     check_albedo(model, width, VIEWS)
 
 
-@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize(
+    "width", [pytest.param(width, marks=() if width == 1e-4 else pytest.mark.slow) for width in WIDTHS]
+)
 @pytest.mark.parametrize("model", FACETS)
 def test_analysis_of_lobes_of_facets(model, width):
     """The mean of the light's degree 0, at some views of the analysis, as their measure weighs them.
@@ -121,6 +123,7 @@ def test_lobes_about_the_tangent(width):
         np.testing.assert_allclose(ratio, 1.0, rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [1e-3, 1e-5, 1e-6])
 def test_what_narrow_lobes_reflect(width):
     """Through orders and maps, in single precision: all of the light, as a mirror does."""

@@ -107,7 +107,10 @@ def test_a_lower_threshold_errs_no_more(s):
 
 
 @pytest.mark.parametrize("s", EXPONENTS)
-@pytest.mark.parametrize("place", [(0, 0), (20, 37), (63, 100), (127, 3)])
+@pytest.mark.parametrize(
+    "place",
+    [(0, 0), *(pytest.param(place, marks=pytest.mark.slow) for place in [(20, 37), (63, 100), (127, 3)])],
+)
 def test_a_sun_keeps_its_energy(s, place):
     pixels = np.full((128, 256, 3), 1e-3, np.float32)
     i, j = place
