@@ -70,5 +70,5 @@ def __getattr__(name: str) -> ModuleType:
 
 
 def __dir__() -> list[str]:
-    """Return the names of the module, those that are loaded later among them."""
-    return sorted({*globals(), *_LOADED_LATER})
+    """Return the names that are for users, those that are loaded later among them."""
+    return [*__all__, "__version__"]

@@ -11,15 +11,15 @@ from shrm.image_io import ImageError
 from shrm.integrate.angular import AngularReflection
 from shrm.integrate.file import METHOD_KEY, VERSION_KEY
 from shrm.integrate.hierarchical import HierarchicalReflection
-from shrm.lobes.reflection import Reflection
 from shrm.prefiltered import Prefiltered
 
 Kind = Literal["reflection map", "prefiltered", "angular", "hierarchical"]
 """Content of a file: a map in frequency space, maps of earlier techniques, or tables of an integrator."""
 
-CLASSES: dict[
-    Kind, type[ReflectionMap] | type[Prefiltered] | type[AngularReflection] | type[HierarchicalReflection]
-] = {
+Result = ReflectionMap | Prefiltered | AngularReflection | HierarchicalReflection
+"""A result that comes from a file."""
+
+CLASSES: dict[Kind, type[Result]] = {
     "reflection map": ReflectionMap,
     "prefiltered": Prefiltered,
     "angular": AngularReflection,
@@ -43,7 +43,7 @@ def kind_of(path: PathLike) -> Kind | None:
     return "reflection map" if "shrm:version" in about else None
 
 
-def load(path: PathLike) -> Reflection:
+def load(path: PathLike) -> Result:
     """Read any result that was saved; its content tells the class.
 
     Parameters

@@ -8,12 +8,15 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from shrm import brdf
 from shrm.cli import COMMANDS, main
 from shrm.cli import demonstration as demo
 from shrm.cli.options import LAYOUTS
 from shrm.environment import Environment, layouts
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.image_io import ImageWarning, read_image, write_image
+from shrm.integrate.angular import prefilter_angular
+from shrm.integrate.hierarchical import prefilter_hierarchical
 from shrm.prefiltered import Prefiltered
 from shrm.version import __version__
 from support.data import require
@@ -138,8 +141,32 @@ def test_a_saved_map_draws_the_picture_of_its_material(shrm: Command, sky: Path,
     assert shrm("render", *row, "--brdf", "ggx:0.4", "-o", pictures[0])[0] == 0
     assert shrm("render", *row, "--map", saved, "-o", pictures[1])[0] == 0
     made, loaded = (read_image(path).pixels for path in pictures)
-    # A file's maps are those in memory; its angles between C and N are float32, 1e-7 radians apart.
-    np.testing.assert_allclose(loaded, made, rtol=1e-5, atol=1e-6)
+    np.testing.assert_array_equal(loaded, made)
+
+
+@pytest.mark.parametrize("method", ["angular", "hierarchical"])
+def test_saved_results_of_integrators_are_described_and_drawn(
+    shrm: Command, sky: Path, tmp_path: Path, method: str
+) -> None:
+    prefilter = {"angular": prefilter_angular, "hierarchical": prefilter_hierarchical}[method]
+    material = brdf.parse("lambert:0.5 + ggx:0.4")
+    saved, pictures = tmp_path / "result.exr", [tmp_path / "material.exr", tmp_path / "result-drawn.exr"]
+    prefilter(Environment.read(sky), material).save(saved)
+    status, out, _ = shrm("info", saved)
+    assert status == 0
+    assert f"{method} integration of {material.name}" in out
+    assert "about the normal" in out
+    assert "about the lobe" in out
+    row = ("--env", sky, "--size", "16x16", "--samples", 1)
+    assert (
+        shrm("render", *row, "--brdf", "lambert:0.5 + ggx:0.4", "--method", method, "-o", pictures[0])[0] == 0
+    )
+    assert shrm("render", *row, "--map", saved, "-o", pictures[1])[0] == 0
+    made, loaded = (read_image(path).pixels for path in pictures)
+    np.testing.assert_array_equal(loaded, made)
+    status, _, err = shrm("render", *row, "--map", saved, "--gpu", "-o", pictures[1])
+    assert status == 2
+    assert "an integrator's result, which only the CPU draws" in err
 
 
 @pytest.mark.parametrize(

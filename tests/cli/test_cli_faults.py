@@ -234,5 +234,5 @@ def test_a_black_map_is_valid(shrm: Command, tmp_path: Path) -> None:
 def test_a_map_that_is_none(shrm: Command, sky: Path, tmp_path: Path) -> None:
     status, _, err = shrm("render", "--map", sky, "-o", tmp_path / "out.png")
     assert status == 1
-    assert f"{sky}: no reflection map" in one_line(err)
+    assert f"{sky}: no result of prefiltering" in one_line(err)
     assert list(tmp_path.iterdir()) == []

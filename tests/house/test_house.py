@@ -106,7 +106,8 @@ def test_pictures_and_the_viewer_are_attributes_of_the_package(room: str, name: 
     code = (
         f"import sys, shrm; assert 'shrm.{room}' not in sys.modules and '{room}' in dir(shrm) and "
         f"'{room}' in shrm.__all__; print(shrm.{room}.{name}.__name__); import shrm.{room} as again; "
-        f"assert again is shrm.{room} and not hasattr(shrm, 'nothing')"
+        f"assert again is shrm.{room} and not hasattr(shrm, 'nothing'); "
+        "assert {*dir(shrm)} == {*shrm.__all__, '__version__'}"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == name

@@ -8,6 +8,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from shrm.brdf import BRDF, Measured
     from shrm.environment import Environment
+    from shrm.frequency.reflection_map import ReflectionMap
+    from shrm.integrate.angular import AngularReflection
+    from shrm.integrate.hierarchical import HierarchicalReflection
+    from shrm.prefiltered import Prefiltered
+    from shrm.result_files import Result
     from shrm.transfer.radiance_transfer import RadianceTransfer
 
 LAST_DEGREE = 60
@@ -139,11 +144,20 @@ def _measurement_lines(brdf: Measured) -> list[str]:
     ]
 
 
-def reflection_map_lines(path: str) -> list[str]:
-    """Describe the reflection map in a file."""
+def result_lines(result: Result) -> list[str]:
+    """Describe a result of prefiltering."""
     from shrm.frequency.reflection_map import ReflectionMap
+    from shrm.prefiltered import Prefiltered
 
-    rm = ReflectionMap.load(path)
+    if isinstance(result, ReflectionMap):
+        return _reflection_map_lines(result)
+    if isinstance(result, Prefiltered):
+        return _prefiltered_lines(result)
+    return _integrated_lines(result)
+
+
+def _reflection_map_lines(rm: ReflectionMap) -> list[str]:
+    """Describe a reflection map."""
     lines = [
         f"  reflection map of {rm.brdf}",
         f"  predicted error {rm.error:.2%} ({rm.criterion}), window {rm.window or 'none'}",
@@ -159,18 +173,30 @@ def reflection_map_lines(path: str) -> list[str]:
     return lines
 
 
-def prefiltered_lines(path: str) -> list[str]:
-    """Describe the maps of an earlier technique in a file."""
-    from shrm.prefiltered import Prefiltered
-
-    lobes = Prefiltered.load(path).lobes
-    lines = [f"  prefiltered maps of {lobes[0].brdf}"]
-    for index, lobe in enumerate(lobes, start=1):
+def _prefiltered_lines(maps: Prefiltered) -> list[str]:
+    """Describe the maps of earlier techniques."""
+    lines = [f"  prefiltered maps of {maps.brdf}"]
+    for index, lobe in enumerate(maps.lobes, start=1):
         lines.append(
             f"  lobe {index}         {type(lobe).__name__} {lobe.keeps}, about the {lobe.center},"
             f" {len(lobe.layers)} maps, {lobe.layout} {lobe.size}"
         )
     return lines
+
+
+def _integrated_lines(result: AngularReflection | HierarchicalReflection) -> list[str]:
+    """Describe what an integrator prepared."""
+    from shrm.integrate.angular import AngularReflection
+
+    method = "angular" if isinstance(result, AngularReflection) else "hierarchical"
+    return [
+        f"  {method} integration of {result.brdf}",
+        f"  predicted error {result.error:.2%}",
+        *(
+            f"  lobe {index}         about the {center}, {result.layout} {result.size}"
+            for index, center in enumerate(result.centers, start=1)
+        ),
+    ]
 
 
 def transfer_lines(path: str) -> list[str]:

@@ -1,8 +1,8 @@
 """Describe an environment map, a material, a reflection map or an object with transfer.
 
 An environment: its size, range and mean radiance, and how its energy is spread over the degrees of spherical
-harmonics. A reflection map: its material, orders and error. An object with transfer: its material, what its
-file holds and how accurate it is. A material: its lobes, its albedo and the orders it needs; if it was
+harmonics. A result of prefiltering: its material, maps and error. An object with transfer: its material, what
+its file holds and how accurate it is. A material: its lobes, its albedo and the orders it needs; if it was
 measured, how far it is from reciprocal, whether it reflects more than it receives, and where there are no
 data. With --plot, a figure of the material: its lobes, its spectrum, what orders capture of it, and a sphere
 lit by the environment.
@@ -20,8 +20,7 @@ from shrm.cli.console import progress
 from shrm.cli.descriptions import (
     environment_lines,
     material_lines,
-    prefiltered_lines,
-    reflection_map_lines,
+    result_lines,
     transfer_lines,
 )
 from shrm.cli.options import (
@@ -49,7 +48,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add_environment(
         command,
         required=False,
-        alternatives="; or a file of measurements, a reflection map, an object with transfer",
+        alternatives="; or a file of measurements, a result of prefiltering, an object with transfer",
     )
     command.add_argument("--brdf", metavar="BRDF", help=MATERIAL)
     add_extrapolate(command)
@@ -88,13 +87,12 @@ def run(options: argparse.Namespace) -> None:
 def _describe_file(options: argparse.Namespace) -> Environment | None:
     """Print what a file holds; return it if it is an environment."""
     from shrm.render.transferred import is_transfer
+    from shrm.result_files import load
 
     env = None
-    kind = _kind_of_maps(options.env)
-    if kind == "reflection map":
-        lines = reflection_map_lines(options.env)
-    elif kind == "prefiltered":
-        lines = prefiltered_lines(options.env)
+    if _is_result(options.env):
+        with progress("Reading the result"):
+            lines = result_lines(load(options.env))
     elif is_transfer(options.env):
         lines = transfer_lines(options.env)
     else:
@@ -115,19 +113,17 @@ def _is_measured(path: str) -> bool:
         return False  # reading it as an environment says what is wrong
 
 
-def _kind_of_maps(path: str) -> str | None:
-    """Return the kind of maps of `shrm prefilter` in a file: "reflection map", "prefiltered" or None."""
-    from shrm.image_io import ImageError, read_parts
+def _is_result(path: str) -> bool:
+    """Tell whether a file is a saved result of prefiltering."""
+    from shrm.image_io import ImageError
+    from shrm.result_files import kind_of
 
-    if not path.endswith(".exr"):
-        return None
+    if Path(path).suffix.lower() != ".exr":
+        return False
     try:
-        keys = {key for part in read_parts(path) for key in part.metadata}
+        return kind_of(path) is not None
     except ImageError:
-        return None  # reading it as an environment says what is wrong
-    if "shrm:prefiltered" in keys:
-        return "prefiltered"
-    return "reflection map" if "shrm:version" in keys else None
+        return False  # reading it as an environment says what is wrong
 
 
 def _plot(path: Path, brdf: BRDF, env: Environment | None, env_name: str) -> None:

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from shrm.brdf import BRDF
     from shrm.frequency.reflection_map import ReflectionMap
     from shrm.frequency.relight import Prefilter
-    from shrm.prefiltered import Prefiltered
     from shrm.render import Camera, Object, SupportsRadiance
+    from shrm.result_files import Result
 
 FREQUENCY_TOLERANCE = 0.05
 """Default tolerance in frequency space, the relative RMS error of the reflected radiance."""
@@ -27,7 +27,7 @@ INTEGRATION_TOLERANCE = 0.01
 class MaterialStage(Stage):
     """Objects in a row, their light and the camera, as the options of `shrm render` have them."""
 
-    def __init__(self, row: list[BRDF | ReflectionMap | Prefiltered], options: argparse.Namespace) -> None:
+    def __init__(self, row: list[BRDF | Result], options: argparse.Namespace) -> None:
         from shrm.render import Sphere
 
         super().__init__(options, len(row))
@@ -38,7 +38,7 @@ class MaterialStage(Stage):
         ]
         self._materials = [self._prefiltered(material) for material in row]
 
-    def _prefiltered(self, material: BRDF | ReflectionMap | Prefiltered) -> Prefilter | SupportsRadiance:
+    def _prefiltered(self, material: BRDF | Result) -> Prefilter | SupportsRadiance:
         """Prefilter a material by the method or technique that the options name."""
         from shrm.brdf import BRDF
         from shrm.integrate.angular import prefilter_angular

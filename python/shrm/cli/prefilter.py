@@ -113,7 +113,6 @@ def _add_maps(group: Arguments) -> None:
 def run(options: argparse.Namespace) -> None:
     """Read, prefilter, save."""
     require_compatible(flags_given(options), RULES)
-    options.layout = "cube" if options.layout == "strip" else options.layout
     brdf = parse_brdf(material_text(options, options.brdf))
     with progress("Reading the environment"):
         env = read_environment(options)

@@ -1,6 +1,6 @@
 """Render spheres, a mesh, or an object with precomputed transfer, lit by an environment map.
 
-Every --brdf, and every --map that `shrm prefilter` saved, adds an object to a row. A .png is scaled by
+Every --brdf, and every --map that was saved, adds an object to a row. A .png is scaled by
 2^exposure, clipped and encoded as sRGB; an .exr holds linear radiance. With --gpu OpenGL draws the same
 picture, with or without a display.
 
@@ -37,8 +37,7 @@ from shrm.cli.stage import FRAMES
 if TYPE_CHECKING:
     from shrm.cli.options import Arguments
     from shrm.cli.stage import Stage
-    from shrm.frequency.reflection_map import ReflectionMap
-    from shrm.prefiltered import Prefiltered
+    from shrm.result_files import Result
 
 EXAMPLE = "shrm render --env grace.hdr --brdf lambert:0.8 --brdf ggx:0.1 --mesh bunny.ply -o bunnies.png"
 
@@ -102,8 +101,8 @@ def _add_materials(group: Arguments) -> None:
         action="append",
         type=lambda text: ("map", text),
         metavar="FILE",
-        help="maps saved by `shrm prefilter` (.exr), in place of a material; repeat for a row of objects"
-        " (--env is then the background only)",
+        help="result saved by `shrm prefilter` or in Python (.exr), in place of a material; repeat for a row"
+        " of objects (--env is then the background only)",
     )
     add_extrapolate(group)
 
@@ -233,10 +232,24 @@ def run(options: argparse.Namespace) -> None:
 
     # Materials and saved maps, in the order of the command line
     row = [
-        _saved_maps(text) if kind == "map" else parse_brdf(material_text(options, text))
+        _saved(text, options.gpu) if kind == "map" else parse_brdf(material_text(options, text))
         for kind, text in options.row
     ]
     _write(MaterialStage(row, options), options)
+
+
+def _saved(path: str, gpu: bool) -> Result:
+    """Read a result of prefiltering; what integrates every point has no maps for the GPU to look up."""
+    from shrm.integrate.angular import AngularReflection
+    from shrm.integrate.hierarchical import HierarchicalReflection
+    from shrm.result_files import load
+
+    result = load(path)
+    if gpu and isinstance(result, AngularReflection | HierarchicalReflection):
+        raise argparse.ArgumentError(
+            None, f"argument --gpu: not allowed with {path}, an integrator's result, which only the CPU draws"
+        )
+    return result
 
 
 def _write(stage: Stage, options: argparse.Namespace) -> None:
@@ -256,13 +269,3 @@ def _write(stage: Stage, options: argparse.Namespace) -> None:
     names = str(paths[0]) if frames == 1 else f"{paths[0]} to {paths[-1].name}"
     encoding = "linear" if exposure is None else f"exposure {exposure:+.2f}"
     print(f"{names}: {stage.shape[1]} x {stage.shape[0]}, {encoding}")
-
-
-def _saved_maps(path: str) -> ReflectionMap | Prefiltered:
-    """Read maps that `shrm prefilter` wrote."""
-    from shrm import image_io
-    from shrm.frequency.reflection_map import ReflectionMap
-    from shrm.prefiltered import Prefiltered
-
-    metadata = image_io.read_parts(path)[0].metadata
-    return Prefiltered.load(path) if "shrm:prefiltered" in metadata else ReflectionMap.load(path)

@@ -19,7 +19,7 @@ from shrm.frequency.orders import (
     require_orders,
     require_tolerance,
 )
-from shrm.lobes.reflection import Layout
+from shrm.lobes.reflection import Layout, map_layout
 from shrm.validation import flag, one_of, whole_number
 
 Window = Literal["hann", "lanczos"]
@@ -80,7 +80,7 @@ class Request:
 
         # What is kept in one form
         self._set("brdf", centered(self.brdf, self.center))
-        self._set("layout", one_of("layout", _one_name(self.layout), get_args(Layout)))
+        self._set("layout", map_layout(self.layout))
         self._set("size", None if self.size is None else _even_size(self.size))
         self._set("clamp", flag("clamp", self.clamp))
         self._set("half", flag("half", self.half))
@@ -100,11 +100,6 @@ class Request:
 def centered(brdf: BRDF, center: Center | None) -> BRDF:
     """Return a material with its lobes about a center; None leaves them about their own."""
     return brdf if center is None else brdf.recentered(center)
-
-
-def _one_name(layout: str) -> str:
-    """Return the name of a layout of maps: one on a cube, whose picture is a strip of faces, is a "cube"."""
-    return "cube" if layout == "strip" else layout
 
 
 def _even_size(size: int) -> int:

@@ -35,7 +35,7 @@ from shrm.integrate.angular_lobes import (
 from shrm.integrate.queries import DEFAULT_SIZE, LARGEST_SIZE, lobes_of, map_directions, pixels_of, queries
 from shrm.integrate.sampled_frames import drawn_directions
 from shrm.lobes.directions import above_horizon, local_frames
-from shrm.lobes.reflection import Layout, Reflection
+from shrm.lobes.reflection import Layout, Reflection, map_layout
 from shrm.validation import fraction, number, one_of, whole_number
 
 JUDGED_NODES, JUDGED_FRAMES = 1e9, (48, 512)
@@ -194,7 +194,7 @@ def prefilter_angular(
     """
     pixels = pixels_of(env)
     cutoff = _cutoff(tolerance, cutoff)
-    one_of("layout", layout, DEFAULT_SIZE)
+    layout = map_layout(layout)
     if center is not None:
         one_of("center", center, ("lobe", "reflection", "normal"))
     edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, LARGEST_SIZE)

@@ -27,8 +27,8 @@ from shrm.integrate.descent_lobes import LobeDescent, descent_from_arrays, lobe_
 from shrm.integrate.queries import DEFAULT_SIZE, LARGEST_SIZE, lobes_of, pixels_of, queries
 from shrm.integrate.saved_arrays import number as saved_number
 from shrm.integrate.threshold import Frames, frames_at, map_texels, predicted_error, threshold_for
-from shrm.lobes.reflection import Layout, Reflection
-from shrm.validation import fraction, number, one_of, whole_number
+from shrm.lobes.reflection import Layout, Reflection, map_layout
+from shrm.validation import fraction, number, whole_number
 
 
 def prefilter_hierarchical(
@@ -78,7 +78,7 @@ def prefilter_hierarchical(
         If an argument is not as described.
     """
     pixels = pixels_of(env)
-    one_of("layout", layout, DEFAULT_SIZE)
+    layout = map_layout(layout)
     edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 1, LARGEST_SIZE)
 
     # Either a tolerance or a threshold

@@ -9,17 +9,22 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
-from typing import Literal
+from typing import Literal, cast, get_args
 
 import numpy.typing as npt
 
 from shrm.arrays import Float32Array, FloatArray
 from shrm.brdf.lobe import Center
 from shrm.files import PathLike
-from shrm.validation import unit_vectors
+from shrm.validation import one_of, unit_vectors
 
 Layout = Literal["latlong", "cube"]
 """Grids of central directions."""
+
+
+def map_layout(layout: str) -> Layout:
+    """Return the layout of maps that a name asks for: "strip", the picture of a cube's faces, is "cube"."""
+    return cast(Layout, one_of("layout", "cube" if layout == "strip" else layout, get_args(Layout)))
 
 
 class Reflection(ABC):

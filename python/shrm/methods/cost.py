@@ -18,7 +18,7 @@ import math
 import warnings
 from functools import cache
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Literal
 
 from shrm.brdf import BRDF
 from shrm.environment import Environment, require_environment
@@ -26,8 +26,8 @@ from shrm.frequency.orders import F_MAX, P_MAX, Orders, ToleranceWarning, choose
 from shrm.integrate.angular import CUTOFF_OF_TOLERANCE
 from shrm.integrate.angular_lobes import half_width, share_visited
 from shrm.integrate.queries import DEFAULT_SIZE
-from shrm.lobes.reflection import Layout
-from shrm.validation import one_of, whole_number
+from shrm.lobes.reflection import Layout, map_layout
+from shrm.validation import whole_number
 
 _COLORED = 2.0
 """Time of a lobe of three channels relative to that of a lobe of one."""
@@ -104,7 +104,7 @@ def cheapest(
     'frequency'
     """
     require_environment(env)
-    one_of("layout", layout, get_args(Layout))
+    layout = map_layout(layout)
     edge = DEFAULT_SIZE[layout] if size is None else whole_number("size", size, 2, 8192)
     whole_number("views", views, 1)
     whole_number("points", points, 0)

@@ -19,7 +19,7 @@ from shrm.integrate.hierarchical import prefilter_hierarchical
 from shrm.integrate.queries import DEFAULT_SIZE
 from shrm.lobes.center import gamma_table
 from shrm.lobes.directions import across, bisector, normals_of
-from shrm.lobes.reflection import Layout, Reflection
+from shrm.lobes.reflection import Layout, Reflection, map_layout
 from shrm.prefiltered.icosahedron import icosahedron
 from shrm.validation import one_of, positive, whole_number
 
@@ -93,7 +93,7 @@ class Integration:
         cls, env: Environment, method: Method, tolerance: float, size: int | None, layout: Layout
     ) -> Integration:
         """Return what the arguments of a `prefilter` ask for, with the default size if there is none."""
-        one_of("layout", layout, get_args(Layout))
+        layout = map_layout(layout)
         return cls(env, method, tolerance, DEFAULT_SIZE[layout] if size is None else size, layout)
 
     def reflection(self, material: Material) -> Reflection:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any, Literal, get_args
 
 import numpy as np
 
 from shrm.arrays import Float32Array, FloatArray, IntArray
 from shrm.environment.lookup import texture_lookup
+from shrm.files import PathLike
 from shrm.render.camera import Vector
 from shrm.render.line_field import orthogonalised
 from shrm.render.placement import Placement, about_vertical
@@ -110,7 +111,7 @@ class Mesh:
         return cls(vertices, faces, normals, uv)
 
     @classmethod
-    def read(cls, path: str | Path, up: Literal["y", "z"] = "y") -> Mesh:
+    def read(cls, path: PathLike, up: Literal["y", "z"] = "y") -> Mesh:
         """Read a mesh file through trimesh: OBJ, PLY, STL, OFF, glTF.
 
         Parameters
@@ -285,12 +286,12 @@ class Mesh:
 
 
 def _gather(
-    path: str | Path,
+    path: PathLike,
 ) -> tuple[FloatArray, IntArray, FloatArray | None, FloatArray | None]:
     """Vertices, faces, normals (if every part has them) and uv (if any has) of all meshes in a file."""
     import trimesh
 
-    scene: Any = trimesh.load_scene(path, process=False)
+    scene: Any = trimesh.load_scene(os.fspath(path), process=False)
     vertices, faces, normals, uv = [], [], [], []
     count = 0
     for node in scene.graph.nodes_geometry:

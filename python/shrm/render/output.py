@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from shrm.files import PathLike
 from shrm.image_io import write_image
 from shrm.render.picture import Picture
 from shrm.render.tonemap import automatic_exposure, display
 
 
 def write_picture(
-    path: str | Path, picture: Picture, exposure: float | None = None, *, alpha: bool = False
+    path: PathLike, picture: Picture, exposure: float | None = None, *, alpha: bool = False
 ) -> float | None:
     """Write a picture: .png through exposure and sRGB curve (`display`), other formats linear.
 

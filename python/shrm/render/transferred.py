@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from shrm import sh
 from shrm.arrays import FloatArray
+from shrm.files import PathLike
 from shrm.frequency.expansion import degree_window
 from shrm.frequency.request import Window
 from shrm.render.camera import Camera, Vector, Viewer
@@ -124,7 +125,7 @@ def low_degrees(coefficients: npt.ArrayLike, n: int, window: Window | None = Non
     return weights[:, None] * np.asarray(coefficients, np.float64)[: n * n]
 
 
-def is_transfer(path: str | Path) -> bool:
+def is_transfer(path: PathLike) -> bool:
     """Return whether a file is an object with transfer: by its first bytes, or by a name that says so."""
     if Path(path).suffix.lower() == SUFFIX:
         return True  # what is wrong with it, opening it says

@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shrm.arrays import BoolArray, FloatArray, Int32Array
-from shrm.files import write_bytes
+from shrm.files import PathLike, write_bytes
 from shrm.transfer.described import Described
 from shrm.transfer.rays.occluders import Hits, Occluders
 from shrm.validation import whole_number
@@ -118,7 +118,7 @@ class Visibility(Described):
 
     def __init__(
         self,
-        folder: str | Path,
+        folder: PathLike,
         vertices: FloatArray,
         faces: Int32Array,
         frames: FloatArray,
