@@ -41,7 +41,7 @@ def bench_measured_materials(noted: Noted) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", (ImageWarning, ToleranceWarning))
         lights = {
-            name: Environment.read(DATA / "env" / file).resized(ROWS, 2 * ROWS)
+            name: Environment.read(DATA / "env" / file).resized((ROWS, 2 * ROWS))
             for name, file in ENVIRONMENTS.items()
         }
         noted(lambda: [row(file, lights) for file in files])

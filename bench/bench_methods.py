@@ -111,7 +111,7 @@ ENTRIES = (
 @pytest.mark.benchmark(group="methods")
 def bench_methods(noted: Noted, env: Environment, context: Context | None) -> None:
     """Each class of `shrm.prefiltered`, hierarchically at 1%, the SHRM, and what OpenGL filters."""
-    light = env.resized(128, 256)
+    light = env.resized((128, 256))
 
     def row(entry: Entry, make: Callable[[], Any]) -> Row:
         found, seconds = timed(make)
@@ -156,7 +156,7 @@ def bench_crossover(noted: Noted, env: Environment) -> None:
     def compared() -> list[Row]:
         rows = []
         for H in (128, 256):
-            light = env.resized(H, 2 * H)
+            light = env.resized((H, 2 * H))
             for alpha in (0.05, 0.1, 0.2, 0.4):
                 rows.append(crossing(light, brdf.GGX(alpha)))
         return rows

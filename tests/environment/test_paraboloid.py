@@ -55,7 +55,7 @@ def test_what_is_written_is_read(tmp_path: Path, border: int) -> None:
     # The integral is kept by both conversions; texels that a rim cuts are samples in a picture with a border.
     accuracy = 1e-3 if border == 0 else 5e-3
     np.testing.assert_allclose(back.coefficients(0), env.coefficients(0), rtol=accuracy)
-    np.testing.assert_allclose(back.resized(16, 32).pixels, env.resized(16, 32).pixels, rtol=0.1)
+    np.testing.assert_allclose(back.resized((16, 32)).pixels, env.resized((16, 32)).pixels, rtol=0.1)
 
 
 def test_borders_that_cannot_be_are_refused(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ N, V = rng.normal(size=(2, 300, 3))
 N /= np.linalg.norm(N, axis=1, keepdims=True)
 V /= np.linalg.norm(V, axis=1, keepdims=True)
 V *= np.sign((N * V).sum(axis=1, keepdims=True))
-results = {"analysis": env.coefficients(20), "resampled": env.resized(48, 96).pixels}
+results = {"analysis": env.coefficients(20), "resampled": env.resized((48, 96)).pixels}
 results["rotated"] = sh.rotate(env.coefficients(40), [[0, -1, 0], [0, 0, -1], [1, 0, 0]])
 for layout in ("latlong", "cube"):
     rm = prefilter(env, material, orders=(12, 3), size=32, layout=layout)

@@ -106,7 +106,7 @@ def test_sharp_lobes_under_a_large_light_are_descended_for_and_under_a_small_one
     assert cheapest(large, glossy, **options) == "hierarchical"
     assert cheapest(SKY, glossy, **options) == "angular"
     # texels as points: about as many as there are lobes' widths would not do
-    assert cheapest(large.resized(64, 128), brdf.GGX(0.02), **options) == "angular"
+    assert cheapest(large.resized((64, 128)), brdf.GGX(0.02), **options) == "angular"
 
 
 def test_a_descent_costs_as_texels_of_the_map_and_hardly_those_of_the_light():

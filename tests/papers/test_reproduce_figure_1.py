@@ -110,7 +110,7 @@ def test_what_is_seen_faces_the_camera_and_is_on_the_object() -> None:
 
 
 def test_errors_are_relative_and_of_the_map_alone() -> None:
-    light = SKY.resized(16, 32)
+    light = SKY.resized((16, 32))
     brdf = Lambert(0.5)
     exact, frames, weights = prefilter_angular(light, brdf), Frames.drawn(200), np.ones(200)
     rm = prefilter(light, brdf, orders=(2, 0))

@@ -120,7 +120,7 @@ def test_lines_cross_where_both_cost_the_same() -> None:
 
 
 def test_the_judge_of_microfacets_agrees_with_the_plain_sum(light: Environment) -> None:
-    few = Environment(light.resized(16, 32).pixels)
+    few = Environment(light.resized((16, 32)).pixels)
     samples = microfacet_maps.draw_samples(16, 6)
     angular = microfacet_maps.angular_of(few, 0.3, 0.0, subsamples=4)
     found = samples.integrated(angular)
@@ -132,7 +132,7 @@ def test_the_judge_of_microfacets_agrees_with_the_plain_sum(light: Environment) 
 
 
 def test_texels_of_maps_are_those_that_are_integrated(light: Environment) -> None:
-    few = Environment(light.resized(16, 32).pixels)
+    few = Environment(light.resized((16, 32)).pixels)
     samples = microfacet_maps.draw_samples(16, 20)
     angular = microfacet_maps.angular_of(few, 0.4, microfacet_maps.EPSILON, subsamples=1)
     maps = [np.asarray(angular.at_view(view)) for view in samples.views]
@@ -162,7 +162,7 @@ def test_flops_of_half_angles_are_those_of_their_samples() -> None:
 
 
 def test_truncated_maps_are_those_of_fewer_degrees(light: Environment) -> None:
-    few = Environment(light.resized(16, 32).pixels)
+    few = Environment(light.resized((16, 32)).pixels)
     made = microfacet_maps.shrm_of(few, 0.4, (5, 2)).parts[0].rings
     cut = microfacet_maps.truncated(microfacet_maps.shrm_of(few, 0.4, (9, 2)), 5).parts[0].rings
     np.testing.assert_allclose(cut, made, atol=1e-5 * np.abs(made).max())

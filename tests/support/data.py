@@ -30,4 +30,4 @@ def environment(name: str, H: int = 64, W: int = 128) -> Environment:
     path = OWN / name if (OWN / name).exists() else require(f"env/{name}")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ImageWarning)
-        return Environment.read(path).resized(H, W)
+        return Environment.read(path).resized((H, W))

@@ -30,6 +30,36 @@ HUGE = np.full((2, 3), 1e39)
         (lambda: validation.fraction("x", 1), ValueError, "x must be in [0, 1), got 1"),
         (lambda: validation.whole_number("n", 1.0, 0), TypeError, "n must be a whole number, got 1.0"),
         (lambda: validation.whole_number("n", 0, 1), ValueError, "n must be at least 1, got 0"),
+        (lambda: validation.picture_shape("s", 4), TypeError, "s must be a pair (H, W), got 4"),
+        (lambda: validation.picture_shape("s", "48"), TypeError, "s must be a pair (H, W), got '48'"),
+        (
+            lambda: validation.picture_shape("s", (4, 8, 3)),
+            TypeError,
+            "s must be a pair (H, W), got (4, 8, 3)",
+        ),
+        (lambda: validation.picture_shape("s", (0, 8)), ValueError, "s[0] must be in [1, 65536], got 0"),
+        (
+            lambda: validation.picture_shape("s", (1, 1e3)),
+            TypeError,
+            "s[1] must be a whole number, got 1000.0",
+        ),
+        (lambda: validation.number_or_rgb("c", -1, 0), ValueError, "c must be at least 0, got -1"),
+        (
+            lambda: validation.unit_vectors("n", [[1.0, 0]]),
+            ValueError,
+            "n must have the shape (n, 3), got (1, 2)",
+        ),
+        (
+            lambda: validation.rotation("R", np.ones((3, 3))),
+            ValueError,
+            "R must be a rotation, orthogonal to 1e-6 with determinant 1, got one off by 3 with determinant"
+            " 0",
+        ),
+        (
+            lambda: validation.require_finite("a", np.array([np.nan])),
+            ValueError,
+            "a must be finite, got 1 values that are not, the first at (0,)",
+        ),
         (lambda: validation.flag("f", 1), TypeError, "f must be True or False, got 1"),
         (lambda: validation.string("s", 1), TypeError, "s must be a string, got 1"),
         (lambda: validation.one_of("s", "c", "ab"), ValueError, "s must be one of a, b, got 'c'"),

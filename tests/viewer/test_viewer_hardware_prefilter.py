@@ -280,7 +280,7 @@ def test_maps_follow_the_light(context, filter):
 
 def test_textures_and_framebuffers_are_taken(context):
     gl = context.gl
-    light = SMOOTH.resized(64, 128)
+    light = SMOOTH.resized((64, 128))
     wanted = filtered(context, brdf.Phong(40), light)
     texture = gl.texture((128, 64), 3, light.pixels.tobytes(), dtype="f4")
     faces = light.picture("faces", 64)

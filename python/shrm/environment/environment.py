@@ -15,7 +15,15 @@ from shrm import image_io
 from shrm.arrays import Float32Array, FloatArray, RealArray
 from shrm.environment import daylight, layouts, paraboloid
 from shrm.files import PathLike
-from shrm.validation import number, number_or_rgb, require_instance, rotation, unit_vectors, whole_number
+from shrm.validation import (
+    number,
+    number_or_rgb,
+    picture_shape,
+    require_instance,
+    rotation,
+    unit_vectors,
+    whole_number,
+)
 
 __all__ = ["Environment", "require_environment"]
 
@@ -249,10 +257,25 @@ class Environment:
         shape = (self._pixels.shape[0], self._pixels.shape[1])
         return Environment(_read_only(layouts.convert(self._pixels, "latlong", "latlong", shape, turn)))
 
-    def resized(self, H: int, W: int) -> Environment:
-        """Return the environment as H x W texels, H >= 2 and W >= 4, at most 65536, area-exactly."""
-        shape = (whole_number("H", H, 2, 65536), whole_number("W", W, 4, 65536))
-        return Environment(_read_only(layouts.convert(self._pixels, "latlong", "latlong", shape)))
+    def resized(self, shape: tuple[int, int]) -> Environment:
+        """Return the environment as H x W texels, area-exactly.
+
+        Parameters
+        ----------
+        shape : (H, W)
+            Rows and columns, at least 2 and 4, at most 65536.
+
+        Returns
+        -------
+        Environment
+
+        Raises
+        ------
+        TypeError, ValueError
+            If shape is not that.
+        """
+        of_texels = picture_shape("shape", shape, least=(2, 4))
+        return Environment(_read_only(layouts.convert(self._pixels, "latlong", "latlong", of_texels)))
 
     def coefficients(self, F: int) -> FloatArray:
         """Return the spherical harmonic coefficients of the radiance, texels taken as areas.

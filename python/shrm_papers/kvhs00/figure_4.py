@@ -56,7 +56,7 @@ class Filtered:
 def make(settings: Settings) -> Result:
     """Filter in every way that there is here, and compare with the sum over all texels."""
     size, border = (32, 4) if settings.quick else (SIZE, BORDER)
-    light = settings.env.resized(size, 2 * size)
+    light = settings.env.resized((size, 2 * size))
     looks = face_directions(size, border)
     maps, about = _maps(light, looks, size, border)
     exact = maps["classic"].pixels

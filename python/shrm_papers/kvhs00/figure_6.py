@@ -54,7 +54,7 @@ def make(settings: Settings) -> Result:
     """Prefilter, draw the pot twice, and show the paper's slices."""
     # The layers
     slices, rows, light = (19, 16, 32) if settings.quick else (SLICES, ROWS, LIGHT)
-    env = settings.env.resized(light, 2 * light)
+    env = settings.env.resized((light, 2 * light))
     material = REFLECTED * brdf.Banks(SHARPNESS)
     start = time.perf_counter()
     maps = Anisotropic.prefilter(

@@ -97,10 +97,10 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
     """Return times, errors and evaluations by exponent, and seconds by source texels."""
     H = 16 if quick else ROWS
     rounds = 1 if quick else 5
-    light = env.resized(H, 2 * H)
+    light = env.resized((H, 2 * H))
     rows = [(s, _measure_exponent(light, s, H, rounds)) for s in ((10, 500) if quick else PAPER)]
     sources = (16, 32) if quick else SOURCES
-    calls = [_with_pyramid(env.resized(n, 2 * n), brdf.Phong(50), H) for n in sources]
+    calls = [_with_pyramid(env.resized((n, 2 * n)), brdf.Phong(50), H) for n in sources]
     seconds = np.median(single_thread.processor_seconds(calls, rounds), axis=0)
     return {"rows": rows, "texels": [2 * n * n for n in sources], "seconds": seconds.tolist()}
 

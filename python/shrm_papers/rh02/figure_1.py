@@ -133,7 +133,7 @@ def make(settings: Settings) -> Result:
         # Orders are chosen by the predicted error, which the table has.
         env, brdf = _light(settings, panel), _material(settings, panel)
         height = 32 if settings.quick else LIGHT
-        light = env.resized(height, 2 * height)
+        light = env.resized((height, 2 * height))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ToleranceWarning)
             rm = prefilter(light, brdf, tolerance=TOLERANCE)

@@ -77,7 +77,7 @@ def make(settings: Settings) -> Result:
     """Draw both materials in every representation, and compare with the integral."""
     quick = settings.quick
     rows, size, pixels, samples = (12, 16, 16, 100) if quick else (ROWS, 80, 192, 4000)
-    env = settings.env.resized(rows, 2 * rows)
+    env = settings.env.resized((rows, 2 * rows))
     view = farthest_from_vertices(view_turned(brightest(env), AZIMUTH, ELEVATION))
     frames = Frames.drawn(samples)
     blocks: list[Block] = []

@@ -54,7 +54,7 @@ def make(settings: Settings) -> Result:
     quick = settings.quick
     rows, size, pixels, samples = (12, 16, 16, 100) if quick else (ROWS, 64, 192, 4000)
     orders = (0, 2) if quick else ORDERS
-    env = settings.env.resized(rows, 2 * rows)
+    env = settings.env.resized((rows, 2 * rows))
     brdf = fabric(settings)
     view = view_turned(brightest(env), AZIMUTH, ELEVATION)
     truth = Truth(prefilter_angular(env, brdf), view, pixels, Frames.drawn(samples))

@@ -98,7 +98,7 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
     """Return the orders, errors and median seconds of every sigma, and what they were measured with."""
     size, count, rounds = (16, 40, 2) if quick else (128, 200, 3)
     sigmas = (0.3, 0.5) if quick else tuple(PAPER)
-    light = env.resized(size, 2 * size)
+    light = env.resized((size, 2 * size))
     samples = draw_samples(size, count)
     rows: list[dict[str, Any]] = []
     calls: list[Call] = []

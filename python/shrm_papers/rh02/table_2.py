@@ -142,7 +142,7 @@ class Case:
     @classmethod
     def chosen(cls, env: Environment, quick: bool) -> Case:
         """Choose the orders, and sizes by them [RH02 section 5.2]."""
-        light = env.resized(32, 64) if quick else env.resized(64, 128)
+        light = env.resized((32, 64)) if quick else env.resized((64, 128))
         material = brdf.Microfacet(0.4 if quick else 0.2)
         about_R = material.recentered("reflection")
         chosen = orders.choose(None, about_R, tolerance=EPSILON, criterion="brdf")

@@ -111,7 +111,7 @@ def measure(env: Environment, quick: bool) -> dict[str, Any]:
     size = 32 if quick else 128
     exponents = (8, 32) if quick else (*PAPER, *BEYOND)
     rounds = 3 if quick else 9
-    light = env.resized(size, 2 * size)
+    light = env.resized((size, 2 * size))
     rows: list[dict[str, Any]] = []
     calls: list[tuple[Call, int]] = []
     for s in exponents:

@@ -38,7 +38,7 @@ class EnvironmentTexture:
 
     def _fitting(self, pixels: Float32Array) -> Float32Array:
         H, W = (min(side, self._largest) for side in pixels.shape[:2])
-        return pixels if pixels.shape[:2] == (H, W) else Environment(pixels).resized(H, W).pixels
+        return pixels if pixels.shape[:2] == (H, W) else Environment(pixels).resized((H, W)).pixels
 
     def renew(self, pixels: Float32Array) -> bool:
         """Take another picture, and say whether it could: it must have the size of the texture."""

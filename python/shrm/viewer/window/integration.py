@@ -114,7 +114,7 @@ def _coarse(environment: Environment, n: int | None, window: Window | None) -> E
         low = low_degrees(environment.coefficients(n - 1), n, window)
         return Environment(sh.synthesis(low, (SMOOTH_ROWS, 2 * SMOOTH_ROWS)).astype(np.float32))
     H = environment.pixels.shape[0]
-    return environment.resized(ROWS, 2 * ROWS) if H > ROWS else environment
+    return environment.resized((ROWS, 2 * ROWS)) if H > ROWS else environment
 
 
 def _integral(light: Environment, material: brdf.BRDF) -> SupportsRadiance:
