@@ -209,7 +209,7 @@ def test_bad_queries_are_refused_by_name(changed, error, text):
 @pytest.mark.parametrize(
     ("changed", "error", "text"),
     [
-        ({"tolerance": 1.0}, ValueError, r"tolerance must be in \[0, 1\), got 1"),
+        ({"tolerance": 1.0}, ValueError, "tolerance must be above 0 and below 1, got 1"),
         ({"tolerance": float("nan")}, ValueError, "tolerance must be"),
         ({"tolerance": "x"}, TypeError, "tolerance must be a number, got 'x'"),
         ({"size": 0}, ValueError, r"size must be in \[1, 16384\], got 0"),

@@ -155,6 +155,11 @@ def test_refusals_say_what_it_must_be_and_what_it_was(
         check()
 
 
+def test_zero_has_no_sign() -> None:
+    """Values that are equal are written alike."""
+    assert math.copysign(1, validation.number("x", -0.0)) == 1
+
+
 def test_arrays_come_back_in_their_form() -> None:
     kept = np.ones((4, 3))
     assert validation.real_array("a", kept, ("n", 3)) is kept

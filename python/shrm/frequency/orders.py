@@ -29,7 +29,7 @@ from shrm.arrays import FloatArray
 from shrm.brdf import BRDF, require_brdf
 from shrm.environment import Environment, require_environment
 from shrm.frequency.analysis import LobeAnalysis, analyse
-from shrm.validation import fraction, one_of, whole_number
+from shrm.validation import one_of, positive, whole_number
 
 Criterion = Literal["light", "brdf", "minimum", "bound"]
 
@@ -167,7 +167,7 @@ def choose(
     require_brdf(brdf)
     if env is not None:
         require_environment(env)
-    require_tolerance(tolerance)
+    positive("tolerance", tolerance, 1.0)
     one_of("criterion", criterion, get_args(Criterion))
     require_orders(F_max, P_max, names=("F_max", "P_max"))
     require_lobes(brdf, criterion)
@@ -267,13 +267,6 @@ def require_lobes(brdf: BRDF, criterion: Criterion) -> None:
             f"criterion {criterion!r} is for materials of one lobe, and {brdf.name} has {len(brdf.lobes)}: "
             "use criterion='light', or brdf.recentered('reflection', merge=True)"
         )
-
-
-def require_tolerance(tolerance: float) -> float:
-    """Return a tolerance: a number above 0 and below 1."""
-    if fraction("tolerance", tolerance) == 0:
-        raise ValueError(f"tolerance must be above 0 and below 1, got {tolerance!r}")
-    return float(tolerance)
 
 
 def degree_power(coefficients: FloatArray) -> FloatArray:

@@ -17,10 +17,9 @@ from shrm.frequency.orders import (
     Criterion,
     require_lobes,
     require_orders,
-    require_tolerance,
 )
 from shrm.lobes.reflection import Layout, map_layout
-from shrm.validation import flag, one_of, whole_number
+from shrm.validation import flag, one_of, positive, whole_number
 
 Window = Literal["hann", "lanczos"]
 
@@ -84,7 +83,7 @@ class Request:
         self._set("size", None if self.size is None else _even_size(self.size))
         self._set("clamp", flag("clamp", self.clamp))
         self._set("half", flag("half", self.half))
-        self._set("tolerance", require_tolerance(self.tolerance))
+        self._set("tolerance", positive("tolerance", self.tolerance, 1.0))
         if self.orders is None:
             require_lobes(self.brdf, self.criterion)
         else:

@@ -36,7 +36,7 @@ from shrm.integrate.queries import DEFAULT_SIZE, LARGEST_SIZE, lobes_of, map_dir
 from shrm.integrate.sampled_frames import drawn_directions
 from shrm.lobes.directions import above_horizon, local_frames
 from shrm.lobes.reflection import Layout, Reflection, map_layout
-from shrm.validation import fraction, number, one_of, whole_number
+from shrm.validation import fraction, number, one_of, positive, whole_number
 
 JUDGED_NODES, JUDGED_FRAMES = 1e9, (48, 512)
 """Nodes visited to predict an error, about, and the fewest and most frames that they are shared among."""
@@ -232,9 +232,7 @@ def _cutoff(tolerance: float | None, cutoff: float | None) -> float:
         return fraction("cutoff", 0.0 if cutoff is None else cutoff)
     if cutoff is not None:
         raise ValueError("tolerance and cutoff are two ways to say one thing: give one of them")
-    if not fraction("tolerance", tolerance) > 0:
-        raise ValueError(f"tolerance must be above 0 and below 1, got {tolerance!r}")
-    return CUTOFF_OF_TOLERANCE * tolerance
+    return CUTOFF_OF_TOLERANCE * positive("tolerance", tolerance, 1.0)
 
 
 class AngularReflection(Reflection):

@@ -28,7 +28,7 @@ from shrm.integrate.queries import DEFAULT_SIZE, LARGEST_SIZE, lobes_of, pixels_
 from shrm.integrate.saved_arrays import number as saved_number
 from shrm.integrate.threshold import Frames, frames_at, map_texels, predicted_error, threshold_for
 from shrm.lobes.reflection import Layout, Reflection, map_layout
-from shrm.validation import fraction, number, whole_number
+from shrm.validation import number, positive, whole_number
 
 
 def prefilter_hierarchical(
@@ -85,9 +85,7 @@ def prefilter_hierarchical(
     if tolerance is not None and threshold is not None:
         raise ValueError("tolerance and threshold are two ways to say one thing: give one of them")
     if threshold is None:
-        tolerance = 0.01 if tolerance is None else fraction("tolerance", tolerance)
-        if tolerance == 0:
-            raise ValueError(f"tolerance must be above 0 and below 1, got {tolerance!r}")
+        tolerance = 0.01 if tolerance is None else positive("tolerance", tolerance, 1.0)
     else:
         threshold = number("threshold", threshold, 0.0)
 

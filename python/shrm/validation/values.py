@@ -27,7 +27,7 @@ def number(name: str, value: object, least: float = -math.inf, most: float = mat
         raise ValueError(f"{name} must be {_range(least, most) or 'finite'}, got {result:g}")
     if not least <= result <= most:
         raise ValueError(f"{name} must be {_range(least, most)}, got {result:g}")
-    return result
+    return result + 0.0  # -0 is 0
 
 
 def number_or_rgb(name: str, value: object, least: float, most: float = math.inf) -> float | RGB:

@@ -12,11 +12,11 @@ import numpy as np
 
 from shrm.arrays import FloatArray
 from shrm.files import PathLike
-from shrm.frequency.orders import require_orders, require_tolerance
+from shrm.frequency.orders import require_orders
 from shrm.frequency.request import Window
 from shrm.render.camera import Viewer
 from shrm.render.tangents import Tangents
-from shrm.validation import flag, number, one_of, require_instance, rotation, string, whole_number
+from shrm.validation import flag, number, one_of, positive, require_instance, rotation, string, whole_number
 from shrm.viewer.window.orbit import Orbit
 
 Technique = Literal["shrm", "kautz-mccool-3d", "kautz-mccool-2d", "miller-heidrich", "cabral"]
@@ -216,7 +216,7 @@ CHECKS: Mapping[str, Check] = {
     "materials": _texts,
     "up": _choice(Up),
     "tangents": _choice(Tangents),
-    "tolerance": lambda name, value: require_tolerance(value),
+    "tolerance": lambda name, value: positive(name, value, 1.0),
     "orders": _optional(_orders),
     "technique": _choice(Technique),
     "filter": _optional(_choice(Filter)),
