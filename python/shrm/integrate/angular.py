@@ -373,10 +373,10 @@ class AngularReflection(Reflection):
     def _radial_map(self, k: int, part: RadialIntegral) -> Float32Array:
         """Return the map of a radial lobe, the same for all views: it is computed once."""
         if k not in self._radial_maps:
-            C = self._directions
             if self.layout == "latlong":
-                self._radial_maps[k] = part.map(self._picture, C.shape[0], C.shape[1], self._symmetry)
+                self._radial_maps[k] = part.map(self._picture, self.size, 2 * self.size, self._symmetry)
             else:
+                C = self._directions
                 flat = part.about(self._picture, np.ascontiguousarray(C.reshape(-1, 3)))
                 self._radial_maps[k] = flat.reshape(C.shape)
         return self._radial_maps[k].copy()
