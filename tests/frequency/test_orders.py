@@ -7,7 +7,8 @@ import pytest
 from shrm import brdf, sh
 from shrm.environment import Environment
 from shrm.frequency import orders
-from shrm.frequency.orders import LightPower, ToleranceWarning, analysed, choose, error_of
+from shrm.frequency.light_power import LightPower
+from shrm.frequency.orders import ToleranceWarning, analysed, choose, error_of
 from support.data import require
 
 
@@ -163,8 +164,8 @@ def test_degrees_that_cannot_help_are_not_analysed(monkeypatch):
     with pytest.warns(ToleranceWarning, match="P <= 1"):
         found = choose(None, material, tolerance=0.02, P_max=1)
     assert tried == [30, orders.F_MAX]
-    power = LightPower.natural(orders.F_MAX)
-    assert found.error == error_of(material, [(found.F, found.P)], power).error
+    power = orders.light_power(None, orders.F_MAX)
+    assert found.error == error_of(material, [(found.F, found.P)], power, L=orders.F_MAX).error
     tried.clear()
     assert choose(None, brdf.GGX(0.05), tolerance=0.04).limited_by == ""  # degrees, not orders, were wanting
     assert tried[:2] == [30, 60]

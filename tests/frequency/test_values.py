@@ -28,7 +28,9 @@ def truncations(monkeypatch) -> list[object]:
     """The calls that measure what orders leave out."""
     calls: list[object] = []
     error_of = prediction.error_of
-    monkeypatch.setattr(prediction, "error_of", lambda *given: calls.append(given) or error_of(*given))
+    monkeypatch.setattr(
+        prediction, "error_of", lambda *given, **named: calls.append(given) or error_of(*given, **named)
+    )
     return calls
 
 

@@ -47,6 +47,16 @@ from shrm.lobes.quadrature import (
     whole_quadrature,
 )
 
+_MANY_VIEWS, _MOST_VALUES = 1001, 400_000
+"""Views that tell whether a lobe has bands between those of an analysis, and the most values of the lobe that
+are asked for to tell."""
+
+_FINER = 8
+"""Times as many views, by which bands are measured that are there."""
+
+_VIEWS_AGREE = 2e-3
+"""Fraction of the energy by which measured materials differ from view to view by their noise alone."""
+
 _SMALLEST_SINGULAR = 1e-6
 """Singular values of the fit below this fraction of the largest are cut: no view tells them."""
 
@@ -72,7 +82,8 @@ class LobeAnalysis:
     P : int
         The largest order that the views are meant for.
     quadrature_error : float
-        Fraction of the energy by which g may be off: next to nothing unless the lobe has jumps.
+        Fraction of the energy by which g may be off: next to nothing unless the lobe has jumps, or bands
+        between the views.
     """
 
     center: Center
@@ -205,16 +216,33 @@ def _analyse_zonal(lobe: ZonalLobe, L: int, P: int) -> LobeAnalysis:
         theta_o, weight = np.arccos(x), w / 2
         nodes = _about_the_tangent(lobe, theta_o, L)
     else:  # cos^2(theta_v) uniform, as for isotropic lobes
-        x, w = unit_gauss(views)
-        theta_o, weight = lobe.theta_o(np.pi / 2 * x), np.pi / 2 * w * np.sin(np.pi * x)
+        theta_v, weight = _views(views)
+        theta_o = lobe.theta_o(theta_v)
         of_one_view = whole_quadrature(_narrowest(lobe, theta_o), L)
         nodes = replace(
             of_one_view, **{name: np.repeat(getattr(of_one_view, name), views, axis=0) for name in _BY_VIEW}
         )
-    table = lobe.profile(nodes.theta_i.ravel(), np.repeat(theta_o, nodes.theta_i.shape[1]))
-    g, energy = _project(columns(table).reshape(*nodes.shape, -1), nodes, L, 0)
+    g, energy = _project(_table_of_angles(lobe, theta_o, nodes), nodes, L, 0)
     gamma = gamma_table(lobe.center)
-    return LobeAnalysis(lobe.center, "zonal", gamma, theta_o, weight, g, energy @ weight, P)
+    between = 0.0
+    if lobe.center == "tangent":
+        between = _disagreement(float((energy @ weight).sum()), _energy_about_the_tangent(lobe))
+    return LobeAnalysis(lobe.center, "zonal", gamma, theta_o, weight, g, energy @ weight, P, between)
+
+
+def _table_of_angles(lobe: ZonalLobe, theta_o: FloatArray, nodes: Quadrature) -> FloatArray:
+    """Evaluate a lobe of two angles at nodes, (views, 1, I, channels)."""
+    values = lobe.profile(nodes.theta_i.ravel(), np.repeat(theta_o, nodes.theta_i.shape[1]))
+    return columns(values).reshape(*nodes.shape, -1)
+
+
+@lru_cache(maxsize=64)
+def _energy_about_the_tangent(lobe: ZonalLobe) -> float:
+    """Return the energy of a lobe about the tangent over many views that lie evenly."""
+    theta_o = np.pi * (np.arange(_MANY_VIEWS) + 0.5) / _MANY_VIEWS
+    nodes = _about_the_tangent(lobe, theta_o, 0)
+    energy = _project(_table_of_angles(lobe, theta_o, nodes), nodes, 0, 0)[1]
+    return float((energy @ np.sin(theta_o)).sum()) * np.pi / 2 / _MANY_VIEWS
 
 
 _BY_VIEW = ("theta_i", "weight_theta", "arc")
@@ -254,8 +282,54 @@ def _analyse_isotropic(lobe: IsotropicLobe, L: int, P: int) -> LobeAnalysis:
     views = max(54, 12 + (6 * P + L) // 3)
     analysis = _projected(lobe, L, P, Q, views, K=20 if low else 32, least=8)
     if analysis.quadrature_error > _ROUGH:
-        return _projected(lobe, L, P, Q, max(views, 64), K=48, least=24)
-    return analysis
+        views = max(views, 64)
+        analysis = _projected(lobe, L, P, Q, views, K=48, least=24)
+    between = _energy_between(lobe, views)
+    return replace(analysis, quadrature_error=analysis.quadrature_error + between) if between else analysis
+
+
+def _energy_between(lobe: IsotropicLobe, views: int) -> float:
+    """Return the fraction of the energy in bands of views that so many views miss or see too much of."""
+    values_of_a_view = np.prod(_coarse_nodes(lobe, np.zeros(1))[1].shape)
+    if values_of_a_view * _MANY_VIEWS > _MOST_VALUES:
+        return 0.0  # a slender lobe, which takes long
+    few = _energy_of(lobe, *_views(views))
+    if not _disagreement(few, _energy_of_many_views(lobe, _MANY_VIEWS)):
+        return 0.0
+    return _disagreement(few, _energy_of_many_views(lobe, _FINER * _MANY_VIEWS))
+
+
+@lru_cache(maxsize=256)
+def _energy_of_many_views(lobe: IsotropicLobe, count: int) -> float:
+    """Return the energy of a lobe over views that lie evenly."""
+    theta_v = np.pi / 2 * (np.arange(count) + 0.5) / count
+    return _energy_of(lobe, theta_v, np.pi / 2 * np.sin(2 * theta_v) / count)
+
+
+def _energy_of(lobe: IsotropicLobe, theta_v: FloatArray, weight: FloatArray) -> float:
+    """Integrate the squares of a lobe over views, and over the lights by few nodes."""
+    gamma, nodes = _coarse_nodes(lobe, theta_v)
+    energy = _project(tabulate(lobe.transfer, theta_v, gamma, nodes), nodes, 0, 0)[1]
+    return float((energy @ weight).sum())
+
+
+def _coarse_nodes(lobe: IsotropicLobe, theta_v: FloatArray) -> tuple[FloatArray, Quadrature]:
+    """Return the angles between C and N at views, and nodes that tell the energy there to a few per cent."""
+    measured, width = lobe_center(lobe.function)
+    gamma = gamma_at(measured if lobe.center == "lobe" else gamma_table(lobe.center), theta_v)
+    return gamma, horizon_quadrature(gamma, width, 0, K=8, least=3)
+
+
+def _disagreement(few: float, many: float) -> float:
+    """Return the fraction of the energy that few views do not see as many do; 0 if it may be noise."""
+    fraction = abs(many - few) / max(many, few, 1e-300)
+    return fraction if fraction > _VIEWS_AGREE else 0.0
+
+
+def _views(count: int) -> tuple[FloatArray, FloatArray]:
+    """Return Gauss nodes in theta_v, in which lobes are smooth, with the measure cos^2(theta_v) uniform."""
+    x, w = unit_gauss(count)
+    return np.pi / 2 * x, np.pi / 2 * w * np.sin(np.pi * x)
 
 
 _LEAST_DEGREE = 30
@@ -267,10 +341,7 @@ _ROUGH = 1e-6
 
 def _projected(lobe: IsotropicLobe, L: int, P: int, Q: int, views: int, K: int, least: int) -> LobeAnalysis:
     """Project on degrees l <= L and azimuths q <= Q with the nodes of `horizon_quadrature(..., K, least)`."""
-    # The views: Gauss in theta_v, in which g is smooth, with the measure cos^2(theta_v) uniform
-    x, w = unit_gauss(views)
-    theta_v = np.pi / 2 * x
-    weight = np.pi / 2 * w * np.sin(2 * theta_v)
+    theta_v, weight = _views(views)
     # `function` is the same object for every L, so that the center is found once
     measured, width = lobe_center(lobe.function)
     gamma = measured if lobe.center == "lobe" else gamma_table(lobe.center)

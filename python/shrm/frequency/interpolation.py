@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from shrm.arrays import FloatArray
-from shrm.frequency.orders import degree_power
+from shrm.frequency.light_power import degree_power
 from shrm.frequency.part import Part
 from shrm.lobes.center import gamma_at
 from shrm.lobes.reflection import Layout

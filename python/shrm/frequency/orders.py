@@ -8,7 +8,8 @@ Four criteria [RH02 section 5.1]:
     The relative RMS of the reflected radiance, over frames (N, V) of every orientation and cos^2(theta_v)
     uniform, colors pooled. The mean square of a degree is sum_m |L_lm|^2 / (2l+1) times the degree's energy
     E_l in the BRDF; E_l is taken over all p straight from the table, so that what a truncation of P loses is
-    known without an expansion to a large P.
+    known without an expansion to a large P. The light is told apart twice as far as the lobe is analysed, and
+    what is beyond either counts (`shrm.frequency.measure`).
 `minimum`
     The paper's estimate min(eps_L, eps_rho), fractions of energy.
 `bound`
@@ -29,6 +30,8 @@ from shrm.arrays import FloatArray
 from shrm.brdf import BRDF, require_brdf
 from shrm.environment import Environment, require_environment
 from shrm.frequency.analysis import LobeAnalysis, analyse
+from shrm.frequency.light_power import LightPower
+from shrm.frequency.measure import Measure
 from shrm.validation import one_of, positive, whole_number
 
 Criterion = Literal["light", "brdf", "minimum", "bound"]
@@ -42,48 +45,18 @@ P_MAX = 8
 _TRIED_FIRST = (30, 60)
 """Degrees that are tried before F_max: [RH02] appendix C, 'we repeat the algorithm with larger values'."""
 
+_TOLD_APART = 2
+"""Degrees of the light that are told apart, for each that the lobe is analysed to."""
+
+LARGEST_DEGREE = 1000
+"""Largest degree of the light that may be asked for."""
+
 NEGLIGIBLE_GAIN = 1.02
 """Factor on the squared error that P leaves: degrees of the light that lower it by less are not kept."""
 
 
 class ToleranceWarning(UserWarning):
     """The tolerance is not met within the caps on the orders."""
-
-
-@dataclass(frozen=True)
-class LightPower:
-    """The spectrum of a light: its energy by degree.
-
-    Attributes
-    ----------
-    degrees : (L+1, channels) float64
-        sum_m |L_lm|^2.
-    above : (channels,) float64
-        Energy of all higher degrees.
-    """
-
-    degrees: FloatArray
-    above: FloatArray
-
-    @classmethod
-    def of(cls, env: Environment, L: int) -> LightPower:
-        """Measure an environment to degree L, what lies above by Parseval's theorem [RH02 section 5.1]."""
-        power = degree_power(env.coefficients(L))
-        H, W, _ = env.pixels.shape
-        rows = np.einsum("hwc,hwc->hc", env.pixels, env.pixels, dtype=np.float64)
-        edges = np.cos(np.pi * np.arange(H + 1) / H)
-        energy = 2 * np.pi / W * (edges[:-1] - edges[1:]) @ rows
-        return cls(power, np.maximum(energy - power.sum(axis=0), 0.0))
-
-    @classmethod
-    def natural(cls, L: int, slope: float = 0.35) -> LightPower:
-        """Return the spectrum of typical photographed light: 1 at l = 0 and slope / l above."""
-        l = np.arange(L + 1)
-        return cls(np.where(l == 0, 1.0, slope / np.maximum(l, 1))[:, None], np.zeros(1))
-
-    def to(self, L: int) -> LightPower:
-        """Return the same light with only the degrees to L told apart."""
-        return LightPower(self.degrees[: L + 1], self.above + self.degrees[L + 1 :].sum(axis=0))
 
 
 @dataclass(frozen=True)
@@ -187,12 +160,18 @@ def smallest_orders(
         if limited_by_P and F_max > L:
             continue
         lobes = analysed(brdf, L, P_max)
-        power = LightPower.natural(L) if env is None else LightPower.of(env, L)
+        power = light_power(env, L)
         orders, limited_by_P = _choose_at(lobes, power, tolerance, criterion, P_max)
         if not orders.limited_by:
             break
     assert orders is not None
     return orders
+
+
+def light_power(env: Environment | None, L: int) -> LightPower:
+    """Return the spectrum of a light, or of natural light, for a lobe that is analysed to degree L."""
+    K = min(_TOLD_APART * max(L, 1), LARGEST_DEGREE)
+    return LightPower.natural(K) if env is None else LightPower.of(env, K)
 
 
 def limit_text(
@@ -224,6 +203,8 @@ def error_of(
     power: LightPower,
     criterion: Criterion = "light",
     degree_weights: Sequence[FloatArray] | None = None,
+    *,
+    L: int | None = None,
 ) -> Orders:
     """Return the error that given orders leave.
 
@@ -239,12 +220,14 @@ def error_of(
         The measure of the error.
     degree_weights : sequence of (F+1,) float64, optional
         A window on the degrees of each lobe; `minimum` and `bound` leave it out.
+    L : int, optional
+        The degree that the lobes are analysed to; by default as far as the light is told apart.
 
     Returns
     -------
     Orders
     """
-    L = len(power.degrees) - 1
+    L = len(power.degrees) - 1 if L is None else L
     lobes = analysed(brdf, L, max(P for _, P in orders))
     results = []
     for index, (lobe, (F, P)) in enumerate(zip(lobes, orders, strict=True)):
@@ -256,7 +239,7 @@ def error_of(
 
 def require_orders(F: int, P: int, names: tuple[str, str] = ("F", "P")) -> None:
     """Raise TypeError or ValueError unless F and P are whole numbers, 0 <= F <= 1000 and 0 <= P <= 24."""
-    whole_number(names[0], F, 0, 1000)
+    whole_number(names[0], F, 0, LARGEST_DEGREE)
     whole_number(names[1], P, 0, 24)
 
 
@@ -269,70 +252,9 @@ def require_lobes(brdf: BRDF, criterion: Criterion) -> None:
         )
 
 
-def degree_power(coefficients: FloatArray) -> FloatArray:
-    """Sum |L_lm|^2 over m: ((F+1)^2, channels) coefficients to (F+1, channels)."""
-    F = int(np.sqrt(len(coefficients))) - 1
-    starts = np.arange(F + 1) ** 2
-    return np.asarray(np.add.reduceat(np.asarray(coefficients, dtype=np.float64) ** 2, starts, axis=0))
-
-
 def analysed(brdf: BRDF, L: int, P: int) -> tuple[LobeAnalysis, ...]:
     """Analyse every lobe of a material; what was analysed to the same (L, P) lately is kept."""
     return tuple(analyse(lobe, L, P) for lobe in brdf.lobes)
-
-
-class Measure:
-    """Squared errors of one lobe under one light, in one criterion's measure."""
-
-    def __init__(self, lobe: LobeAnalysis, power: LightPower, criterion: Criterion) -> None:
-        # The lobe's energy by degree; that of degrees and azimuths that are not analysed, by Parseval
-        self.lobe = lobe
-        self.criterion = criterion
-        L = len(power.degrees) - 1
-        self.degree_energy = lobe.degree_energy()[: L + 1]
-        self.unresolved = np.maximum(lobe.energy - self.degree_energy.sum(axis=0), 0.0)
-
-        # The light's weights: Lambda_l^2 |L_l|^2 / 4 pi; the brdf criterion weighs all degrees alike.
-        self.power = power
-        flat = criterion == "brdf"
-        self.light = np.ones((L + 1, 1)) if flat else power.degrees / (2 * np.arange(L + 1)[:, None] + 1)
-        # What is not analysed meets light as strong as the strongest of the upper half of the degrees.
-        self.tail = self.light[L // 2 :].max(axis=0)
-        self.total = float((self.light * self.degree_energy).sum() + (self.tail * self.unresolved).sum())
-
-    def squared_error(self, F: int, P: int, window: FloatArray | None = None) -> float:
-        """Return what orders (F, P) leave of `total`: a squared radiance, or an energy."""
-        if self.criterion == "minimum":
-            return min(self._light_left_out(F) * self.total, self._brdf_left_out(F, P) * self.total)
-        if self.criterion == "bound":
-            return self._bound(F, P)
-        captured = self.lobe.captured(P)[: F + 1]
-        if window is not None:  # a degree with weight w errs by (1 - w)^2
-            captured = captured * (1 - (1 - window[: F + 1, None]) ** 2)
-        left_out = max(self.total - float((self.light[: F + 1] * captured).sum()), 0.0)
-        return left_out + self.lobe.quadrature_error * self.total
-
-    def _light_left_out(self, F: int) -> float:
-        """Return eps_L, the fraction of the light's energy above degree F [RH02 section 5.1]."""
-        above = self.power.degrees[F + 1 :].sum() + self.power.above.sum()
-        return float(above / max(self.power.degrees.sum() + self.power.above.sum(), 1e-300))
-
-    def _brdf_left_out(self, F: int, P: int) -> float:
-        """Return eps_rho, the fraction of the BRDF's energy outside (F, P) [RH02 section 5.1]."""
-        captured = self.lobe.captured(P)[: F + 1].sum()
-        return max(1 - float(captured / max(self.lobe.energy.sum(), 1e-300)), 0.0)
-
-    def _bound(self, F: int, P: int) -> float:
-        """Return the bound of [RH02] appendix B, corrected; Lambda_l^2 = 4 pi / (2l+1), 4 pi left out."""
-        captured = self.lobe.captured(P)
-        light_above = self.power.degrees[F + 1 :].sum(axis=0) + self.power.above
-        brdf_above = self.degree_energy[F + 1 :].sum(axis=0) + self.unresolved
-        in_degrees = np.maximum(self.degree_energy[: F + 1] - captured[: F + 1], 0.0)
-        residual = float(
-            (light_above * brdf_above).sum() / (2 * F + 3) + (self.light[: F + 1] * in_degrees).sum()
-        )
-        reflected = float((self.light[: F + 1] * captured[: F + 1]).sum())
-        return self.total * residual / max(reflected + residual, 1e-300)
 
 
 def _choose_at(

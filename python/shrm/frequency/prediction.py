@@ -15,7 +15,7 @@ import numpy as np
 from shrm.environment import Environment
 from shrm.frequency.expansion import Expansion
 from shrm.frequency.interpolation import interpolation_error, map_spectrum, measured_interpolation_error
-from shrm.frequency.orders import LightPower, error_of
+from shrm.frequency.orders import error_of, light_power
 from shrm.frequency.part import Part
 from shrm.frequency.split_orders import split_energy
 
@@ -63,9 +63,11 @@ class Truncation:
         env, expansion = self._measured_from
         self._measured_from = None
         if expansion.cores is None:
-            power = LightPower.of(env, max(expansion.F_max, expansion.F))
+            L = max(expansion.F_max, expansion.F)
             windows = expansion.windows()
-            orders = error_of(expansion.material, expansion.orders, power, self.criterion, windows)
+            orders = error_of(
+                expansion.material, expansion.orders, light_power(env, L), self.criterion, windows, L=L
+            )
             return _Numbers(orders.error, 1.0, np.nan)
         energy = split_energy(
             env, expansion.smooth, expansion.material, expansion.orders, expansion.analysed_to

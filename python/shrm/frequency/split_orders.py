@@ -16,7 +16,9 @@ from shrm.brdf.lobe import IsotropicLobe, Lobe, RadialLobe
 from shrm.brdf.material import Material
 from shrm.environment import Environment
 from shrm.frequency.analysis import analyse
-from shrm.frequency.orders import NEGLIGIBLE_GAIN, LightPower, Measure, analysed
+from shrm.frequency.light_power import LightPower
+from shrm.frequency.measure import Measure
+from shrm.frequency.orders import NEGLIGIBLE_GAIN, analysed, light_power
 from shrm.lobes.split import split
 
 SMOOTH_SHARE, CORE_SHARE = 0.8, 0.5
@@ -113,7 +115,7 @@ def split_material(
     # The squared error that is allowed to each lobe
     F, P = caps
     L = max(F, DEGREES)
-    power = LightPower.of(env, L)
+    power = light_power(env, L)
     allowed = (SMOOTH_SHARE * tolerance) ** 2 * whole_energy(brdf, env, P) / len(brdf.lobes)
 
     # Lobes that the largest orders do not hold are split, then orders chosen for what is left.
@@ -143,7 +145,7 @@ def split_energy(
 ) -> SplitEnergy:
     """Measure a material and the smooth parts that are expanded of it, under a light."""
     L, P = analysed_to
-    power = LightPower.of(env, L)
+    power = light_power(env, L)
     measures = [Measure(lobe, power, "light") for lobe in analysed(smooth, L, P)]
     left_out = sum(measure.squared_error(*pair) for measure, pair in zip(measures, orders, strict=True))
     total = sum(measure.total for measure in measures)
@@ -156,7 +158,7 @@ def whole_energy(brdf: BRDF, env: Environment, P: int) -> float:
     Its lobes are summed as if they reflected apart from each other.
     """
     L = WHOLE_DEGREES
-    light = LightPower.of(env, L).degrees / (2 * np.arange(L + 1)[:, None] + 1)
+    light = LightPower.of(env, L).per_coefficient
     return float(sum((light * lobe.degree_energy()).sum() for lobe in analysed(brdf, L, P)))
 
 
@@ -168,7 +170,7 @@ def _height(
     What they leave grows about in proportion to the height, or faster: the search steps as if it did until
     there is a bracket, then takes secants in logarithms, kept within it.
     """
-    L = len(power.degrees) - 1
+    L = max(orders[0], DEGREES)
 
     def excess(log_height: float) -> float:
         smooth, _ = split(lobe, float(np.exp(log_height)))

@@ -16,7 +16,7 @@ from shrm.arrays import FloatArray
 from shrm.brdf import Phong
 from shrm.environment import Environment
 from shrm.frequency.analysis import analyse
-from shrm.frequency.orders import degree_power
+from shrm.frequency.light_power import degree_power
 from shrm.frequency.prefilter import prefilter
 from shrm.render import Picture
 

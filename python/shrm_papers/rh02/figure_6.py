@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from shrm.arrays import FloatArray
 from shrm.brdf import Phong
-from shrm.frequency.orders import Criterion, LightPower, error_of
+from shrm.frequency.light_power import LightPower
+from shrm.frequency.orders import Criterion, error_of
 from shrm.frequency.prefilter import prefilter
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.integrate.angular import AngularReflection, prefilter_angular

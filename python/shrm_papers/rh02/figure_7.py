@@ -17,7 +17,8 @@ from shrm.brdf import Microfacet
 from shrm.brdf.lobe import Center
 from shrm.environment import Environment
 from shrm.environment.layouts import convert
-from shrm.frequency.orders import LightPower, error_of
+from shrm.frequency.light_power import LightPower
+from shrm.frequency.orders import error_of
 from shrm.frequency.prefilter import prefilter
 from shrm.integrate.angular import prefilter_angular
 from shrm.render import Picture
