@@ -65,7 +65,10 @@ def test_borders_that_cannot_be_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="border must be"):
         env.picture("dual-paraboloid", 8, border=-1)
     env.write(tmp_path / "sky.exr", "dual-paraboloid", size=8)
-    with pytest.raises(ValueError, match="border is for the layout dual-paraboloid, got None"):
-        Environment.read(tmp_path / "sky.exr", border=2)
+    env.write(tmp_path / "sky.hdr", "dual-paraboloid", size=8)  # states no layout
+    with pytest.raises(ImageError, match="border is for the layout dual-paraboloid, got latlong"):
+        Environment.read(tmp_path / "sky.hdr", border=2)
+    with pytest.raises(ValueError, match="border must be"):
+        Environment.read(tmp_path / "sky.hdr", border=-1)
     with pytest.raises(ImageError, match=r"sky\.exr: a dual paraboloid with a border of 4"):
         Environment.read(tmp_path / "sky.exr", layout="dual-paraboloid", border=4)

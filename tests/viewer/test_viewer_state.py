@@ -20,6 +20,7 @@ def unlike_the_default() -> State:
     return State(
         environment="sky ünï.hdr",
         layout="vertical-cross",
+        border=2,
         repair=True,
         materials=("lambert:0.5", "0.5*lambert:0.8 + ggx:0.2"),
         mesh="bunny.ply",

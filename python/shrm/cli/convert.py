@@ -19,13 +19,6 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     add_environment(command)
     command.add_argument(
-        "--env-border",
-        type=values.count,
-        default=0,
-        metavar="N",
-        help="texels around each face of a dual paraboloid that is read (default: 0)",
-    )
-    command.add_argument(
         "--layout",
         choices=LAYOUTS,
         default="latlong",
@@ -40,7 +33,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument(
         "--border",
-        type=values.count,
+        type=values.border,
         default=0,
         metavar="N",
         help="texels around each face of a dual paraboloid that is written (default: 0)",

@@ -64,13 +64,20 @@ def add_environment_option(arguments: Arguments) -> None:
 
 
 def add_environment_reading(arguments: Arguments) -> None:
-    """Add --env-layout and --repair."""
+    """Add --env-layout, --env-border and --repair."""
     arguments.add_argument(
         "--env-layout",
         choices=LAYOUTS,
         metavar="LAYOUT",
         help="layout of the environment map's file (default: recognized from metadata and aspect ratio): "
         + ", ".join(LAYOUTS),
+    )
+    arguments.add_argument(
+        "--env-border",
+        type=values.border,
+        metavar="N",
+        help="texels around each face of a dual paraboloid in the environment map's file (default: what its"
+        " metadata state, or none)",
     )
     arguments.add_argument(
         "--repair",
@@ -86,8 +93,9 @@ def read_environment(options: argparse.Namespace) -> Environment:
 
     if options.env == DAYLIGHT:
         return Environment.daylight(sun_azimuth=SUN_AZIMUTH)
-    border = getattr(options, "env_border", 0)
-    return Environment.read(options.env, layout=options.env_layout, repair=options.repair, border=border)
+    return Environment.read(
+        options.env, layout=options.env_layout, repair=options.repair, border=options.env_border
+    )
 
 
 # ---- Materials

@@ -54,6 +54,11 @@ def count(text: str, least: int = 1) -> int:
     return int(text)
 
 
+def border(text: str) -> int:
+    """Read a number of texels, 0 or more."""
+    return count(text, 0)
+
+
 def tents(text: str) -> int:
     """Read a number of tents to a side, at least 2."""
     return count(text, 2)

@@ -224,6 +224,7 @@ def _changes(options: argparse.Namespace, transfer: str | None, environment: str
     fields = {
         "environment": environment if environment in (None, DAYLIGHT) else _absolute(environment),
         "layout": options.env_layout,
+        "border": options.env_border,
         "repair": True if options.repair else None,
         "materials": materials,
         "selected": None if materials is None else 0,

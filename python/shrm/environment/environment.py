@@ -114,7 +114,7 @@ class Environment:
         *,
         repair: bool = False,
         max_bytes: int = image_io.DEFAULT_MAX_BYTES,
-        border: int = 0,
+        border: int | None = None,
     ) -> Environment:
         """Read an environment in any layout and convert it, area-exactly, to a lat-long picture.
 
@@ -124,14 +124,16 @@ class Environment:
             A picture; for six faces, a folder of them or a pattern with ``{}`` for the face's name
             (px nx py ny pz nz, posx ..., right left top bottom front back, rt lf up dn ft bk).
         layout : str, optional
-            One of `shrm.environment.layouts.LAYOUTS`; by default what the file says (OpenEXR's `envmap`
-            attribute) or its aspect suggests, see `shrm.environment.layouts.recognise`.
+            One of `shrm.environment.layouts.LAYOUTS`; by default what the file states (what `write` wrote
+            into it, or OpenEXR's `envmap` attribute) or its aspect suggests, see
+            `shrm.environment.layouts.recognise`.
         repair : bool
             Replace NaN and infinite texels by their neighbors instead of refusing them.
         max_bytes : int
             The largest decoded picture that is read.
-        border : int
-            Texels round each face of a dual paraboloid, for that layout alone.
+        border : int, optional
+            Texels round each face of a dual paraboloid, for that layout alone; by default what the file
+            states, or none.
 
         Raises
         ------
@@ -143,7 +145,8 @@ class Environment:
         """
         if layout is not None:
             layout = layouts.check(layout)
-        _require_border(border, layout)
+        if border is not None:
+            whole_number("border", border, 0, 8192)
         try:
             if layout == "faces" or Path(path).is_dir() or (layout is None and "{}" in str(path)):
                 pixels, layout = _read_faces(Path(path), repair, max_bytes), "faces"
@@ -155,8 +158,11 @@ class Environment:
                     raise image_io.ImageError(
                         f"{path}: a picture of {size} is too small to be an environment"
                     )
+                if border is None and layout in (None, image.layout):
+                    border = image.border
                 layout = layout or layouts.recognise(pixels.shape[0], pixels.shape[1], image.layout)
             if border:
+                _require_border(border, layout)
                 pixels = paraboloid.without_border(pixels, border)
             height, width = pixels.shape[:2]
             if layout == "latlong":
@@ -199,9 +205,7 @@ class Environment:
             for name, face in zip(_FACE_NAMES[0], picture, strict=True):
                 image_io.write_image(pattern.replace("{}", name), np.ascontiguousarray(face))
             return
-        says = {"openexr-latlong": "LatLong Environment", "openexr-cube": "CubeFace Environment"}
-        metadata = {"textureformat": says[layout]} if layout in says else {}
-        image_io.write_image(path, picture, metadata=metadata)
+        image_io.write_image(path, picture, metadata=image_io.layout_metadata(path.suffix, layout, border))
 
     def picture(self, layout: str, size: int | None = None, *, border: int = 0) -> Float32Array:
         """Return the environment in another layout, converted area-exactly.

@@ -36,12 +36,15 @@ class Image:
     metadata : dict
         The file's attributes.
     layout : str or None
-        ``"openexr-latlong"`` or ``"openexr-cube"`` where the file says so by OpenEXR's `envmap` attribute.
+        The layout that the file states, see `shrm.image_io.stated_layout`.
+    border : int
+        The border that it states.
     """
 
     pixels: Float32Array
     metadata: dict[str, Any] = field(default_factory=dict)
     layout: str | None = None
+    border: int = 0
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from shrm.files import PathLike
 from shrm.image_io.holes import finite
 from shrm.image_io.image import DEFAULT_MAX_BYTES, Image, ImageError, warn
 from shrm.image_io.source import metadata_of, open_source, read_pixels
+from shrm.image_io.stated_layout import stated_layout
 
 
 def read_image(path: PathLike, *, repair: bool = False, max_bytes: int = DEFAULT_MAX_BYTES) -> Image:
@@ -69,9 +70,7 @@ def read_image(path: PathLike, *, repair: bool = False, max_bytes: int = DEFAULT
     if negative:
         warn(path, f"{negative} texels have negative values, the least {pixels.min():.4g}; they are kept")
 
-    layouts = {"latlong environment": "openexr-latlong", "cubeface environment": "openexr-cube"}
-    hint = layouts.get(str(metadata.get("textureformat", "")).lower())
-    return Image(pixels, metadata, hint if is_openexr else None)
+    return Image(pixels, metadata, *stated_layout(metadata, is_openexr))
 
 
 def _color_channels(path: PathLike, spec: Any) -> tuple[list[int], bool]:

@@ -25,4 +25,4 @@ def with_file(state: State, path: str) -> State:
         return replace(state, mesh=path, transfer=None)
     if is_transfer(path):
         return replace(state, transfer=path)
-    return replace(state, environment=path, layout=None)
+    return replace(state, environment=path, layout=None, border=None)

@@ -135,7 +135,7 @@ class Panel:
         typed = self.widgets.entered("environment", shown, meaning)
         if typed is not None:
             if typed == DAYLIGHT:
-                state = replace(state, environment=DAYLIGHT, layout=None)
+                state = replace(state, environment=DAYLIGHT, layout=None, border=None)
             else:
                 state = with_file(state, absolute(typed))
         source = refused or state.environment  # what is said of it can make a picture that was refused good
@@ -150,9 +150,10 @@ class Panel:
                 "probe and others. Choose one where the picture's shape does not tell."
             )
             if changed:
-                state = replace(state, environment=source, layout=known[chosen] if chosen else None)
+                layout = known[chosen] if chosen else None
+                state = replace(state, environment=source, layout=layout, border=None)
         if self.widgets.button("Daylight", "An analytic sky with its sun, in place of a picture."):
-            state = replace(state, environment=DAYLIGHT, layout=None)
+            state = replace(state, environment=DAYLIGHT, layout=None, border=None)
         imgui.same_line()
         with disabled(state.light == UNTURNED):
             if self.widgets.button(

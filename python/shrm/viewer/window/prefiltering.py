@@ -64,6 +64,7 @@ class Request:
 
     environment: str
     layout: str | None
+    border: int | None
     repair: bool
     materials: tuple[str, ...]
     mesh: str | None
@@ -133,7 +134,9 @@ class Prefiltering:
     """Answers requests in one thread, and keeps what the next one may need again."""
 
     def __init__(self) -> None:
-        self._environment: tuple[tuple[str, str | None, bool], Environment, tuple[str, ...]] | None = None
+        self._environment: (
+            tuple[tuple[str, str | None, int | None, bool], Environment, tuple[str, ...]] | None
+        ) = None
         self._mesh: tuple[tuple[str, Up], Mesh] | None = None
         self._tangent_mesh: tuple[tuple[Mesh, Tangents], Mesh] | None = None
         self._shapes: tuple[tuple[Mesh | None, int], tuple[Shape, ...]] | None = None
@@ -184,7 +187,7 @@ class Prefiltering:
         yield replace(answer, errors=tuple(each.predicted() for each in self._objects))
 
     def _read_environment(self, request: Request) -> tuple[Environment, tuple[str, ...]]:
-        key = request.environment, request.layout, request.repair
+        key = request.environment, request.layout, request.border, request.repair
         if self._environment is None or self._environment[0] != key:
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always")
@@ -192,7 +195,10 @@ class Prefiltering:
                     environment = Environment.daylight(sun_azimuth=SUN_AZIMUTH)
                 else:
                     environment = Environment.read(
-                        request.environment, layout=request.layout, repair=request.repair
+                        request.environment,
+                        layout=request.layout,
+                        repair=request.repair,
+                        border=request.border,
                     )
             notes = tuple(dict.fromkeys(" ".join(str(item.message).split()) for item in caught))
             self._environment = key, environment, notes

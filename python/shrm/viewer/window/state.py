@@ -44,6 +44,8 @@ class State:
         A picture's path, or "daylight".
     layout : str, optional
         The picture's layout, if it is not the one recognised.
+    border : int, optional
+        Texels around the faces of its dual paraboloid, if they are not those that it states.
     repair : bool
         Whether its texels that are not finite are replaced by neighbours; they are refused otherwise.
     materials : tuple of str
@@ -102,6 +104,7 @@ class State:
 
     environment: str = "daylight"
     layout: str | None = None
+    border: int | None = None
     repair: bool = False
     materials: tuple[str, ...] = (GOLD,)
     mesh: str | None = None
@@ -212,6 +215,7 @@ def _orders(name: str, value: Any) -> None:
 CHECKS: Mapping[str, Check] = {
     "environment": string,
     **dict.fromkeys(("layout", "mesh", "transfer"), _optional(string)),
+    "border": _optional(lambda name, value: whole_number(name, value, 0, 8192)),
     **dict.fromkeys(("repair", "automatic", "background", "turning"), flag),
     "materials": _texts,
     "up": _choice(Up),
