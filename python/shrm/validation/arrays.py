@@ -51,10 +51,10 @@ def float32_array(name: str, value: npt.ArrayLike, *shapes: Shape, empty: bool =
     array = _numeric_array(name, value, "fiu", "real")
     if shapes:
         require_shape(name, array, *shapes, empty=empty)
-    require_finite(name, array)
     with np.errstate(over="ignore"):  # refused below
         result: Float32Array = np.ascontiguousarray(array, dtype=np.float32)
-    if not np.isfinite(result).all():
+    if not _all_finite(result):
+        require_finite(name, array)
         largest = np.abs(array).max()
         raise ValueError(f"{name} must be within the range of float32, got {largest:.3g}")
     return result
@@ -137,6 +137,14 @@ def require_shape(name: str, value: npt.NDArray[Any], *shapes: Shape, empty: boo
     )
 
 
+def _all_finite(value: RealArray) -> bool:
+    """Tell whether no value is NaN or infinite, with little memory."""
+    if value.ndim == 0 or value.size <= _BLOCK:
+        return bool(np.isfinite(value).all())
+    rows = max(1, _BLOCK * len(value) // value.size)
+    return all(np.isfinite(value[start : start + rows]).all() for start in range(0, len(value), rows))
+
+
 def require_finite(name: str, value: RealArray) -> None:
     """Refuse an array with values that are NaN or infinite.
 
@@ -145,13 +153,7 @@ def require_finite(name: str, value: RealArray) -> None:
     ValueError
         If there is one; the text counts them and names the first.
     """
-    if value.ndim == 0 or value.size <= _BLOCK:
-        finite = bool(np.isfinite(value).all())
-    else:
-        rows = max(1, _BLOCK * len(value) // value.size)
-        blocks = (value[start : start + rows] for start in range(0, len(value), rows))
-        finite = all(np.isfinite(block).all() for block in blocks)
-    if not finite:
+    if not _all_finite(value):
         bad = np.argwhere(~np.isfinite(value))
         where = tuple(int(k) for k in bad[0])
         raise ValueError(f"{name} must be finite, got {len(bad)} values that are not, the first at {where}")
