@@ -13,7 +13,7 @@
 //   Wigner     d^l_{mq}(alpha): small-d of the z-y-z convention, d^1_{10} = -sin(alpha)/sqrt2,
 //              f_lm(theta) = sqrt((2l+1)/4pi) d^l_{m0}(theta).
 //   Rotation   R_{alpha,beta} = R_z(beta) R_y(alpha) carries +z to (theta, phi) = (alpha, beta).
-//   Order      in the papers is the maximum degree: F of l, P of p.
+//   Order      in [RH02] is the maximum degree: F of l, P of p; in [LK03] the number of degrees: 0 to n - 1.
 //   Arrays     row-major; the last index is the channel unless a comment says otherwise.
 //
 // BIBLIOGRAPHY (cited as [RH02] eq. 14 at the line that computes it; python/shrm/bibliography.py has all)

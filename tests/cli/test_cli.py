@@ -15,8 +15,10 @@ from shrm.cli.options import LAYOUTS
 from shrm.environment import Environment, layouts
 from shrm.frequency.reflection_map import ReflectionMap
 from shrm.image_io import ImageWarning, read_image, write_image
+from shrm.integrate import angular, hierarchical
 from shrm.integrate.angular import prefilter_angular
 from shrm.integrate.hierarchical import prefilter_hierarchical
+from shrm.methods import cost
 from shrm.prefiltered import Prefiltered
 from shrm.version import __version__
 from support.data import require
@@ -365,3 +367,22 @@ def test_what_does_not_go_together_is_said(arguments, said, capsys, tmp_path):
     assert stopped.value.code == 2
     assert said in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_the_cheapest_method_has_the_tolerance_that_it_was_chosen_for(
+    shrm: Command, sky: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whichever it is; without one, that of frequency space."""
+    asked: list[object] = []
+    for module, name in ((angular, "prefilter_angular"), (hierarchical, "prefilter_hierarchical")):
+        function = getattr(module, name)
+        monkeypatch.setattr(
+            module, name, lambda *of, f=function, **named: asked.append(named["tolerance"]) or f(*of, **named)
+        )
+    row = ("--env", sky, "--size", "8x8", "--samples", 1, "--brdf", "ggx:0.4", "--method", "auto")
+    for method in ("angular", "hierarchical"):
+        monkeypatch.setattr(cost, "cheapest", lambda *_, m=method, **of: asked.append(of["tolerance"]) or m)
+        for given, tolerance in (((), 0.05), (("--tolerance", "0.2"), 0.2)):
+            asked.clear()
+            assert shrm("render", *row, *given, "-o", tmp_path / "drawn.exr")[0] == 0
+            assert asked == [tolerance, tolerance]

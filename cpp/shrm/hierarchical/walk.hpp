@@ -3,8 +3,9 @@
 // A kernel is a lobe for a block of targets. It has
 //   Value                     what it is at a node: u[groups][channels], and what the two questions need
 //   at(node)                  its value there
-//   reaches(value, radius)    whether it may be other than nothing within `radius` of the node, for any
-//   target hides(value, radius)      whether it may hide there between samples, for any target
+//   reaches(value, radius)    whether it may be other than nothing within `radius` of the node
+//   hides(value, radius)      whether it may hide there between samples
+// the last two for any target of the block.
 #pragma once
 
 #include <algorithm>

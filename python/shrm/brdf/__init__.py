@@ -12,16 +12,16 @@ function of (wi, wo).
     peaks         the widths of peaks too narrow for ordinary nodes
     parameters    bounds on parameters, and how names write them
     angle_table   regular tables over three angles, for measurements
-    lambert       about the normal
-    phong         about the reflection
-    microfacet    lafortune    ggx    beckmann    tabulated    about the lobe center
-    miller_heidrich                                            about normal and reflection
-    kajiya_kay    banks                                        about the tangent
-    ashikhmin_shirley    anisotropic_ggx                       anisotropic: for matrix radiance transfer
-    abc_model    sgd                                            about the lobe center: those of published
-    fits                                                        fits to measured materials, by name
+    models/       one file each, and `function`, from any Python function
+        lambert                                                    about the normal
+        phong                                                      about the reflection
+        microfacet    lafortune    ggx    beckmann    tabulated    about the lobe center
+        abc_model    sgd                                           the same: those of published fits
+        miller_heidrich                                            about normal and reflection
+        kajiya_kay    banks                                        about the tangent
+        ashikhmin_shirley    anisotropic_ggx                       anisotropic: for matrix radiance transfer
+    fits/         published fits to measured materials, by name
     measured/     from files of measurements
-    function      from a Python function, about any of them
     parse         materials from text, for the command line
     albedo        directional albedo by quadrature
 """

@@ -49,7 +49,8 @@ class MaterialStage(Stage):
             return material
         options, layout, size = self.options, *self._grid()
         with progress(f"Prefiltering with {material.name}"):
-            tolerance = options.tolerance or INTEGRATION_TOLERANCE
+            automatic = options.method == "auto"
+            tolerance = options.tolerance or (FREQUENCY_TOLERANCE if automatic else INTEGRATION_TOLERANCE)
             if options.technique != "shrm":
                 return prefilter_earlier(
                     self.env,
@@ -59,15 +60,15 @@ class MaterialStage(Stage):
                     layout=layout,
                     size=size,
                 )
-            method = self._cheapest(material) if options.method == "auto" else options.method
+            method = self._cheapest(material, tolerance) if automatic else options.method
             if method == "angular":
-                return prefilter_angular(self.env, material)
+                return prefilter_angular(self.env, material, tolerance=tolerance if automatic else None)
             if method == "hierarchical":
                 return prefilter_hierarchical(self.env, material, tolerance=tolerance)
             return self._in_frequency_space(material)
 
-    def _cheapest(self, material: BRDF) -> str:
-        """Return the method that is predicted to cost least for the pictures that are drawn.
+    def _cheapest(self, material: BRDF, tolerance: float) -> str:
+        """Return the method that is predicted to cost least for the pictures that are drawn, to a tolerance.
 
         Radiance is asked for at every sample of every pixel, by a distant viewer too, as if each object
         filled its share of the picture.
@@ -79,7 +80,7 @@ class MaterialStage(Stage):
         return cheapest(
             self.env,
             material,
-            tolerance=self.options.tolerance or FREQUENCY_TOLERANCE,
+            tolerance=tolerance,
             points=self.frames * self.options.samples**2 * H * W // len(self.centers),
             F_max=F_max,
             P_max=P_max,

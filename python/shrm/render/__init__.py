@@ -1,7 +1,7 @@
 """Pictures without a GPU: spheres and meshes whose materials are prefiltered, objects with transfer.
 
-camera -> line_field, tangents, placement -> shapes, mesh -> lookup -> tonemap -> vertex_radiance -> picture
-transferred, row, turntable, output
+camera -> line_field, tangents, placement -> shapes, mesh -> tonemap, vertex_radiance -> picture
+transferred, row, turntable, output; drawn_text -> material_figure
 """
 
 from shrm.environment.lookup import environment_lookup, texture_lookup

@@ -15,9 +15,10 @@ From a mesh to its file, in the order of the data:
     rays/           directions, occluders, visibility, bounces: what vertices see; stored: arrays on disk
     matrices/       product, materials, accuracy, vertex_matrices: what light becomes there
     compression/    components, pca, clusters, choice
-    precompute, precomputation, radiance_transfer, quaternions, file
+    precompute, precomputation, radiance_transfer and its variants, quaternions, file
 
-and, at run time, lighting/: surface, tents, earlier.
+Bases and matrices that these share: directional_basis, brdf_matrix, tangent_frames;
+at run time, lighting/: surface, tents, earlier.
 """
 
 from shrm.transfer.lighting import (

@@ -1,9 +1,11 @@
 """Real time: the renderer on the GPU, and the interactive window.
 
-osmesa -> context -> programs, resources -> environment_texture
-paraboloid, paraboloid_kernels -> paraboloid_textures -> paraboloid_filters -> hardware_prefilter
-geometry, maps -> scene -> renderer
-orbit -> state -> worker -> lighting, integration -> screen, comparison -> materials, panel -> window -> app
+In the order of what uses what:
+
+    gpu/       context (EGL, or osmesa), programs and resources; environment_texture; the filters of every
+               frame, paraboloid_... -> hardware_prefilter; geometry and maps -> scene -> renderer
+    window/    state, what is shown and how; worker, prefiltering and integration, which work beside the
+               window; panel and its parts; drawing; window -> app
 """
 
 from shrm.prefiltered.paraboloid import ParaboloidMap, ParaboloidMaps

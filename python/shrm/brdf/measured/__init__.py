@@ -2,7 +2,7 @@
 
 `load` recognises a file by its content and returns a material like any other.
 
-    material       what all of them are: values, where there are any, and how the rest is filled; start here
+    measured       what all of them are: values, where there are any, and how the rest is filled; start here
     load           which format a file has
     rgl            over tensor_file and spectrum (colors)
     merl           its table

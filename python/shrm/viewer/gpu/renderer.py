@@ -1,7 +1,4 @@
-"""The renderer on the GPU: what `shrm.render.render` draws, as fast as OpenGL can.
-
-Sources: [RH02].
-"""
+"""The renderer on the GPU: what `shrm.render.render` draws, as fast as OpenGL can."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""From what is asked for to reflection maps: the work that the window does not wait for.
-
-Sources: [RH02].
-"""
+"""From what is asked for to reflection maps: the work that the window does not wait for."""
 
 from __future__ import annotations
 
