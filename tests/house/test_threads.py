@@ -141,3 +141,25 @@ def test_an_instruction_set_that_is_not_there_is_refused():
     assert done.returncode == 1
     assert "'sparc'" in done.stderr
     assert "portable" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("given", "spins"),
+    [
+        ({}, "20000"),
+        ({"GOMP_SPINCOUNT": "7"}, "7"),
+        ({"OMP_WAIT_POLICY": "PASSIVE"}, "0"),
+    ],
+)
+def test_waiting_threads_soon_sleep(given: dict[str, str], spins: str) -> None:
+    """Unless the user says otherwise; the process keeps nothing of it in its environment."""
+    clean = {k: v for k, v in os.environ.items() if k not in ("GOMP_SPINCOUNT", "OMP_WAIT_POLICY")}
+    done = subprocess.run(
+        [sys.executable, "-c", "import os, shrm; print(os.environ.get('GOMP_SPINCOUNT'))"],
+        env={**clean, **given, "OMP_DISPLAY_ENV": "VERBOSE"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert f"GOMP_SPINCOUNT = '{spins}'" in done.stderr
+    assert done.stdout.strip() == str(given.get("GOMP_SPINCOUNT"))
